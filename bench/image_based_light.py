@@ -18,7 +18,7 @@ import tempfile
 
 COLUMNS, PITCH = 10, 2.2
 QUALITIES = [["--quality", q] for q in ("normal", "high")]
-WALKS = {
+SWEEPS = {
     "ibl.method": ["split", "lobe", "sampled"],
     "ibl.lights": [0, 4, 16, 32, 256],
     "ibl.size_px": [64, 128, 256, 512, 1024],
@@ -97,7 +97,7 @@ def main() -> None:
             corner, side = f"{round(x - radius_px)},{round(y - radius_px)}", round(2 * radius_px)
             regions += ["--region", f"{corner},{side},{side}"]
     settings = [("quality " + q[1], q) for q in QUALITIES]
-    for knob, values in WALKS.items():
+    for knob, values in SWEEPS.items():
         if options.quick and knob != "ibl.method":
             continue
         for value in values:

@@ -2,7 +2,7 @@
 """Is what `candela tune` advises any good? A random search of settings of the same scenes, by the same yardstick.
 
 For each scene: `candela tune` within its time; a traced reference; then settings drawn at random (a technique, a quality and up to
-four knobs at values of their walks), each rendered by itself. The settings that tune advises are rendered in the same way. An
+four knobs at values of their sweeps), each rendered by itself. The settings that tune advises are rendered in the same way. An
 advised setting is good where its error is at most FACTOR times that of the best one found at the same time, or its time at most
 FACTOR times that of the quickest one found with the same error. Errors are relMSE against the reference, whose noise is taken off.
 """

@@ -35,20 +35,20 @@ void main() {
   const float covered = surface_coverage(m, s.alpha);
   const BrdfTerms brdf = brdf_terms(s, to_light);
   const Glass glass = load_glass(in_ids.x);
-  float share;
-  const GlassPoint g = glass_point(glass, s, brdf, v, in_scale, share);
+  float fraction;
+  const GlassPoint g = glass_point(glass, s, brdf, v, in_scale, fraction);
   const bool is_body = g.thickness_m > 0.0;
   const float x = 1.0 - clamp(dot(s.normal, to_light), 0.0, 1.0), x2 = x * x;
   const vec3 reflected =
       clamp(s.dielectric_f0 + (s.dielectric_f90 - s.dielectric_f0) * (x2 * x2 * x), vec3(0.0), vec3(1.0));
 #ifdef BENDS
   const float gathered = min(abs(determinant(mat2(dFdx(in_from), dFdy(in_from)))), most_gathered);
-  const vec3 tint = glass_tint(glass, s, reflected, share, is_body, in_bends.z);
+  const vec3 tint = glass_tint(glass, s, reflected, fraction, is_body, in_bends.z);
   const bool lands = in_bends.x > 0.0 && in_bends.y > 0.999 && is_body;
   if (!lands || !is_lit(in_from / float(pc.size_px), in_bends.w)) discard;
   out_taken = vec4(tint * (gathered * covered), 0.0);
 #else
-  const vec3 tint = glass_tint(glass, s, reflected, share, is_body, g.thickness_m);
+  const vec3 tint = glass_tint(glass, s, reflected, fraction, is_body, g.thickness_m);
   // The far side of a body is counted by the near one.
   if ((is_body && facing < 0.0) || !is_lit(gl_FragCoord.xy / float(pc.size_px), gl_FragCoord.z)) discard;
   out_taken = vec4((1.0 - tint) * covered, 0.0);

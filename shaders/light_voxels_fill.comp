@@ -74,8 +74,8 @@ void main() {
     vec3 l;
     // What faces away tells nothing of those that do not.
     if (light_arriving(light, position, l) == 0.0 || !(dot(rays_side, l) > 0.0)) continue;
-    const float share = traced_visibility(light, w.light);
-    const uint state = share >= 1.0 ? voxel_lit : share > 0.0 ? voxel_both : voxel_dark;
+    const float fraction = traced_visibility(light, w.light);
+    const uint state = fraction >= 1.0 ? voxel_lit : fraction > 0.0 ? voxel_both : voxel_dark;
     for (uint i = 0u; i < told; ++i)
       atomicOr(VoxelWordRef(voxel_word_at(states, grid.words, beside[i], w.light / voxel_lights_a_word)).u,
           state << 2u * (w.light % voxel_lights_a_word));

@@ -15,8 +15,8 @@ shared uint sums[256];
 
 void main() {
   const uint t = gl_LocalInvocationIndex, tile_count = pc.tiles.x * pc.tiles.y;
-  const uint share = (tile_count + 255u) / 256u, first = min(t * share, tile_count);
-  const uint end = min(first + share, tile_count);
+  const uint fraction = (tile_count + 255u) / 256u, first = min(t * fraction, tile_count);
+  const uint end = min(first + fraction, tile_count);
   VoxelTilesRef tiles = VoxelTilesRef(voxel_tiles_at(pc.voxels));
   uint sum = 0u;
   for (uint i = first; i < end; ++i) sum += tiles.t[i].count;

@@ -90,7 +90,7 @@ vec4 seen_behind(vec4 widths, vec4 moved) {
       const vec2 there = place + away * tap_px;
       if (go_on(search, refraction_depth_m(ivec2(floor(there))), glass_m)) tap = there;
     }
-    // A square as large as the direction's share of the lobe.
+    // A square as large as the direction's fraction of the lobe.
     const float lod = log2(max(1.7724539 * tap_px / sqrt(float(TAPS)) * (1.0 + away2) * stretched, 1.0));
     mean = mix(mean, picture_at(tap, gl_FragCoord.xy + (tap - place), dispersion, lod), 1.0 / float(++count));
   }

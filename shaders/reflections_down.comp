@@ -1,5 +1,5 @@
 #version 460
-// A level of the pyramid: the mean of four texels, light and the share that surfaces cover. precise: a sum that is
+// A level of the pyramid: the mean of four texels, light and the fraction that surfaces cover. precise: a sum that is
 // divided afterwards, as compilers like to write it, is beyond floats for light above a quarter of their largest.
 #include "shared/reflections.h"
 layout(push_constant, scalar) uniform Push { ReflectionsDownPush pc; };

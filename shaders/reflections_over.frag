@@ -27,9 +27,9 @@ float frame_depth(ivec2 p, int s) {
 void main() {
   const ivec2 pixel = ivec2(gl_FragCoord.xy);
   const float depth = texelFetch(pass_images[pc.at.z], pixel, 0).r;
-  const vec3 share = unpack_reflectance(texelFetch(pass_uint_images[pc.at.reflectance], pixel, 0).xy).rgb;
+  const vec3 fraction = unpack_reflectance(texelFetch(pass_uint_images[pc.at.reflectance], pixel, 0).xy).rgb;
   vec3 gained = vec3(0.0), taken = vec3(0.0);
-  if (depth > 0.0 && share != vec3(0.0)) {
+  if (depth > 0.0 && fraction != vec3(0.0)) {
     const vec3 p = point_at(pixel, depth);
     const vec3 plane = unpack_normal(texelFetch(pass_uint_images[pc.at.surface], pixel, 0).w);
     vec4 light = vec4(0.0);
@@ -62,7 +62,7 @@ void main() {
     }
     // The sky that is left: what the rays leave, or what near surfaces do, whichever is less.
     const vec4 sky = texelFetch(pass_images[pc.at.sky], pixel, 0);
-    gained = share * light.rgb;
+    gained = fraction * light.rgb;
     taken = sky.rgb * max(sky.a - min(sky.a, 1.0 - light.a), 0.0);
     // Of the pixel's samples, as many as are of this surface.
     if (SAMPLES > 1) {

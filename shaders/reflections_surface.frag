@@ -36,7 +36,7 @@ void main() {
   Reflecting r;
   r.normal = to_camera_space(IS_UNLIT == 0 ? s.normal : plane_normal);
   r.plane = to_camera_space(plane_normal);
-  vec3 share = vec3(0.0), sky = vec3(0.0);
+  vec3 fraction = vec3(0.0), sky = vec3(0.0);
   float roughness = s.roughness;
   float open = 1.0;
   r.f0 = vec3(0.0);
@@ -58,14 +58,14 @@ void main() {
     r.f0 = filmed.f0 / brdf.lobes.gain;
     r.f90 = largest(filmed.f90 / brdf.lobes.gain);
     const vec3 albedo = specular_albedo(base, clamp(dot(s.normal, to_viewer), 1e-4, 1.0));
-    share = (filmed.f0 * albedo.x + filmed.f90 * albedo.y) * (s.occlusion * under) * through;
+    fraction = (filmed.f0 * albedo.x + filmed.f90 * albedo.y) * (s.occlusion * under) * through;
 #else
     const Surface base = s;
     r.f0 = mix(s.dielectric_f0, s.base_color, s.metallic);
     r.f90 = s.has_facets ? mix(s.dielectric_f90, 1.0, s.metallic) : max(r.f0.r, max(r.f0.g, r.f0.b));
     // What the material says of its own hollows hides the scene as it hides the sky.
     const vec3 albedo = specular_albedo(s, clamp(dot(s.normal, to_viewer), 1e-4, 1.0));
-    share = (brdf.f0 * albedo.x + brdf.f90 * albedo.y) * s.occlusion * through;
+    fraction = (brdf.f0 * albedo.x + brdf.f90 * albedo.y) * s.occlusion * through;
 #endif
     roughness = base.roughness;
     if (HAS_AMBIENT != 0) {
@@ -97,6 +97,6 @@ void main() {
     }
   }
   out_surface = pack_reflecting(r);
-  out_reflectance = pack_reflectance(share, roughness);
+  out_reflectance = pack_reflectance(fraction, roughness);
   out_sky = vec4(sky, open);
 }

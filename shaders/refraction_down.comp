@@ -12,7 +12,7 @@ void main() {
   const vec2 size = vec2(pc.source_px) / vec2(pc.target_px);  // of a texel, in those of the source: at most 2
   const vec2 low = vec2(p) * size, high = low + size;
   const ivec2 first = ivec2(low), last = min(ivec2(ceil(high)), ivec2(pc.source_px)) - 1;
-  // Each by its share before it is added: a sum of the brightest lies beyond floats where their mean does not.
+  // Each by its fraction before it is added: a sum of the brightest lies beyond floats where their mean does not.
   precise vec4 sum = vec4(0.0);
   for (int y = first.y; y <= last.y; ++y) {
     for (int x = first.x; x <= last.x; ++x) {

@@ -147,11 +147,11 @@ Followed follow(TraceRay ray, int light, float roughest) {
       return f;
     }
     done_m = hit.t;
-    float share = 0.0, shows = 1.0;  // shows: of the surface's own light
+    float fraction = 0.0, shows = 1.0;  // shows: of the surface's own light
     if (is_glass) {
-      share = glass.transmission;
-      if (glass.transmission_texture.texture != absent) share *= sample_texture(glass.transmission_texture, h.v).r;
-      share = clamp(share, 0.0, 1.0);
+      fraction = glass.transmission;
+      if (glass.transmission_texture.texture != absent) fraction *= sample_texture(glass.transmission_texture, h.v).r;
+      fraction = clamp(fraction, 0.0, 1.0);
       // The camera sees the first one itself, and what walls reflect inside goes no way that is followed.
       shows = is_first || held.count > 0 || hit.back != 0u ? 0.0 : 1.0;
     } else if (is_blended) {
@@ -165,7 +165,7 @@ Followed follow(TraceRay ray, int light, float roughest) {
       // Radiance in a body is less by the square of its index where the camera sees it.
       const float within = index_within(held, light);
       Surface lit = s;
-      lit.base_color *= 1.0 - share;
+      lit.base_color *= 1.0 - fraction;
       const vec3 own = h.is_unlit ? max(surface_base_color(h.m, h.v).rgb, vec3(0.0)) : lit_hit(h, lit);
       f.light += through * own * (shows * frame.pre_exposure / (within * within));
     }
@@ -196,7 +196,7 @@ Followed follow(TraceRay ray, int light, float roughest) {
         const vec3 reflected =
             mix(f0, vec3(s.dielectric_f90), normal < 1.0 ? (exact - normal) / (1.0 - normal) : 1.0);
         const float most = clamp(max(reflected.r, max(reflected.g, reflected.b)), 0.0, 1.0);
-        through *= s.base_color * ((1.0 - s.metallic) * share * (1.0 - most));
+        through *= s.base_color * ((1.0 - s.metallic) * fraction * (1.0 - most));
         if (is_bent) {
           onward = refract(-v, n, 1.0 / eta);
           if (!(dot(onward, rays_side) < 0.0)) onward = refract(-v, rays_side, 1.0 / eta);

@@ -42,8 +42,8 @@ void main() {
   const GlassSums behind = glass_sums(m, in_ids.x, s, brdf, v, in_scale);
 #endif
 #if (defined(REFRACTION) || defined(GLASS)) && !defined(SCATTERS)  // where it has them the base knows already
-  s.base_color *= 1.0 - behind.share;
-  brdf.diffuse *= 1.0 - behind.share;
+  s.base_color *= 1.0 - behind.fraction;
+  brdf.diffuse *= 1.0 - behind.fraction;
 #endif
   precise vec3 radiance = surface_radiance(s, brdf, v.relative_position, surface_point, plane_normal);
 #ifdef REFRACTION

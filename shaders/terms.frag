@@ -86,8 +86,8 @@ void main() {
   const Refracted behind = refracted_light(in_ids.x, s, brdf, v, in_scale);
 #endif
 #if defined(REFRACTION) && !defined(SCATTERS)
-  s.base_color *= 1.0 - behind.share;
-  brdf.diffuse *= 1.0 - behind.share;
+  s.base_color *= 1.0 - behind.fraction;
+  brdf.diffuse *= 1.0 - behind.fraction;
 #endif
   // What unlit surfaces show counts as emission.
 #ifdef EMISSION

@@ -1,5 +1,5 @@
 #version 460
-// One direction of a Gaussian over coarse texels; with depth_share less of those at other depths (Tomasi and Manduchi,
+// One direction of a Gaussian over coarse texels; with depth_fraction less of those at other depths (Tomasi and Manduchi,
 // "Bilateral Filtering for Gray and Color Images", 1998, by depth).
 #include "shared/volumetric.h"
 layout(push_constant, scalar) uniform Push { VolumetricFilterPush pc; };
@@ -18,8 +18,8 @@ void main() {
     const vec4 texel = texelFetch(pass_images[pc.source], q, 0);
     const float off = float(i) / pc.deviation;
     float weight = exp(-0.5 * off * off);
-    if (pc.depth_share > 0.0) {
-      const float other = (texel.a - metres) / max(max(texel.a, metres), 1e-30) / pc.depth_share;
+    if (pc.depth_fraction > 0.0) {
+      const float other = (texel.a - metres) / max(max(texel.a, metres), 1e-30) / pc.depth_fraction;
       weight *= exp(-min(0.5 * other * other, 80.0));
     }
     sum += weight * texel.rgb;

@@ -95,7 +95,7 @@ vec3 ambient_light(Surface s, BrdfTerms b) {
   return (lobes.diffuse + lobes.specular) * s.occlusion;
 }
 #endif
-// What is left of the lobes where a share `open` of the sky's diffuse light arrives. Reflections by Lagarde and de
+// What is left of the lobes where a fraction `open` of the sky's diffuse light arrives. Reflections by Lagarde and de
 // Rousiers, "Moving Frostbite to Physically Based Rendering", 2014: a smooth surface loses them later than a rough one
 // its light.
 float specular_open(float open, float n_v, float roughness) {
@@ -125,10 +125,10 @@ vec3 bent_about(vec3 normal, vec3 bent, vec3 plane_normal) {
   return dot(turned, turned) > 1e-6 ? normalize(turned) : normal;
 }
 float reflected_open(Openness o, Surface s, vec3 v, vec3 plane_normal) {
-  const float open = specular_open(o.share, dot(s.normal, v), s.roughness);
+  const float open = specular_open(o.fraction, dot(s.normal, v), s.roughness);
   if (!OCCLUSION_IS_BENT) return open;
   const vec3 bent = bent_about(s.normal, o.bent, plane_normal);
-  return clamp(open * open_by_leaning(bent, o.share, s.normal, v, s.roughness), 0.0, 1.0);
+  return clamp(open * open_by_leaning(bent, o.fraction, s.normal, v, s.roughness), 0.0, 1.0);
 }
 #ifdef LOBED
 #include "lib/lobes_ambient.glsl"
@@ -136,7 +136,7 @@ float reflected_open(Openness o, Surface s, vec3 v, vec3 plane_normal) {
 AmbientLobes occluded_lobes(Surface s, BrdfTerms b, Openness o, vec3 plane_normal) {
   const vec3 facing = OCCLUSION_IS_BENT ? bent_about(s.normal, o.bent, plane_normal) : s.normal;
   const AmbientLobes lobes = ambient_lobes(s, b, facing);
-  return AmbientLobes(lobes.diffuse * o.share, lobes.specular * reflected_open(o, s, b.to_viewer, plane_normal));
+  return AmbientLobes(lobes.diffuse * o.fraction, lobes.specular * reflected_open(o, s, b.to_viewer, plane_normal));
 }
 vec3 occluded_ambient_light(Surface s, BrdfTerms b, Openness o, vec3 plane_normal) {
   const AmbientLobes lobes = occluded_lobes(s, b, o, plane_normal);

@@ -50,9 +50,9 @@ const float FOG_SPREAD = 1.5;
 // at distance h, blurred by s < h across the ray: 1/(t^2 + h^2) + 2 s^2/(t^2 + h^2)^2, where h^2 holds s^2. The first
 // term alone would lose 2 pi^2 s of each lamp's light across the rays; the second has just that, within a few s.
 float blurred_inverse_square(float a, float wide, float h, float h2, float s2) {
-  const float b = a + wide, angle = atan(wide * h, h2 + a * b), share = s2 / h2;
-  if (share < 1e-6) return angle / h;
-  return angle / h * (1.0 + share) + share * (wide / (h2 + a * a)) * ((h2 - a * b) / (h2 + b * b));
+  const float b = a + wide, angle = atan(wide * h, h2 + a * b), fraction = s2 / h2;
+  if (fraction < 1e-6) return angle / h;
+  return angle / h * (1.0 + fraction) + fraction * (wide / (h2 + a * a)) * ((h2 - a * b) / (h2 + b * b));
 }
 
 #ifdef FOG_STEEP
@@ -238,11 +238,11 @@ void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[
       depths[i] = fog_length_of(i, ray.origin, ray.direction, a, b);
       depth += depths[i];
     }
-    const vec3 share = fog_through(before) * one_minus_exp_over(depth);
+    const vec3 fraction = fog_through(before) * one_minus_exp_over(depth);
     glow[j] = vec3(0.0);
     for (int i = 0; i < FOG_MEDIA; ++i) {
-      slices[j].scattering[i] = frame.fog.media[i].albedo * depths[i] * share;
-      glow[j] += frame.fog.media[i].glow * depths[i] * share;
+      slices[j].scattering[i] = frame.fog.media[i].albedo * depths[i] * fraction;
+      glow[j] += frame.fog.media[i].glow * depths[i] * fraction;
     }
     before = min(before + depth, vec3(FOG_MOST_DEPTH));
     const float metres = dot(depth, vec3(1.0)), x = metres * (1.0 / 3.0);

@@ -103,7 +103,7 @@ vec3 color_of_shared_exponent(uint stored, uint bits) {
   const vec3 q = vec3(uvec3(stored, stored >> bits, stored >> 2u * bits) & ((1u << bits) - 1u));
   return q * exp2(float(int(stored >> 3u * bits & 31u) - 15 - int(bits)));
 }
-uint steps(float share, float most) { return uint(clamp(share * most + 0.5, 0.0, most)); }
+uint steps(float fraction, float most) { return uint(clamp(fraction * most + 0.5, 0.0, most)); }
 
 // A dielectric's reflectance: its root, which gives those of common materials most steps.
 vec3 stored_f0(vec3 f0) { return sqrt(clamp(f0, vec3(0.0), vec3(1.0))); }

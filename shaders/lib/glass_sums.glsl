@@ -8,7 +8,7 @@ layout(constant_id = 42) const int GLASS_SEARCH = 3;  // steps to the body's oth
 
 struct GlassSums {
   float covers;  // 0: it is cut out here, or the far side of a body, which the near one counts too; else 1
-  float share;  // of the diffuse base's light that goes through instead
+  float fraction;  // of the diffuse base's light that goes through instead
   vec3 tint;    // of what is behind, what the surface lets through
   vec4 moved;   // by moved.xy + moved.zw q; q: one over the depth behind, or that depth where the view is parallel
   vec4 widths;  // squared width as the ray leaves, that times the depth, and its square; dispersion by the first
@@ -48,7 +48,7 @@ bool other_side(vec3 at, vec3 inside, inout vec3 exit, inout vec3 normal) {
 GlassSums glass_sums(Material m, uint material, Surface s, BrdfTerms b, Varyings v, float scale) {
   const Glass glass = load_glass(material);
   GlassSums sums;
-  const GlassPoint g = glass_point(glass, s, b, v, scale, sums.share);
+  const GlassPoint g = glass_point(glass, s, b, v, scale, sums.fraction);
   const float ior = g.ior >= 1.0 ? g.ior : 1.0;
   const bool is_body = g.thickness_m > 0.0;
   const vec3 at = in_view(g.position);
@@ -75,6 +75,6 @@ GlassSums glass_sums(Material m, uint material, Surface s, BrdfTerms b, Varyings
     alpha2 = 4.0 * alpha2 + least;
     sums.widths = vec4(alpha2 * vec3(1.0, at.z, at.z * at.z), 0.0);
   }
-  sums.tint = glass_tint(glass, s, refraction_reflected(s, b), sums.share, is_body, way);
+  sums.tint = glass_tint(glass, s, refraction_reflected(s, b), sums.fraction, is_body, way);
   return sums;
 }

@@ -42,9 +42,9 @@ float share_of_lights(float slice) {
   return clamp((slice - float(sky_lights_after)) / float(sky_lights_from - sky_lights_after), 0.0, 1.0);
 }
 vec3 sky_lights(BrdfTerms b, float slice) {
-  const float share = share_of_lights(slice);
+  const float fraction = share_of_lights(slice);
   vec3 sum = vec3(0.0);
-  if (share == 0.0) return sum;
+  if (fraction == 0.0) return sum;
   for (uint i = 0u; i < frame.image_light.light_count; ++i) {
     const SkyLight light = SkyLightsRef(frame.image_light.lights).s[i];
     const float n_l = dot(b.normal, light.direction);
@@ -63,7 +63,7 @@ vec3 sky_lights(BrdfTerms b, float slice) {
     sum += light.illuminance * (b.f0 + (b.f90 - b.f0) * (x2 * x2 * x)) * (lobe_dv(b, h, h_h, n_l) * n_l);
 #endif
   }
-  return share * sum;
+  return fraction * sum;
 }
 
 // The sky's image itself, seen through a cone of a solid angle, and that without its bright spots.
@@ -94,7 +94,7 @@ float sampled_weight(BrdfTerms b, float of_facets, float pdf, vec3 h, float n_l)
 #include "lib/lobes_sampled.glsl"
 #else
 // Bright spots are lights where the lobe is wide. Sums over directions by the cosine, and by the normals that the
-// viewer sees (Heitz, "Sampling the GGX Distribution of Visible Normals", 2018), each as wide as its share (Krivanek
+// viewer sees (Heitz, "Sampling the GGX Distribution of Visible Normals", 2018), each as wide as its fraction (Krivanek
 // and Colbert 2008): with more samples it tends to the integral. The same directions for every pixel, so no noise.
 // Diffuse light is gathered about `facing`.
 SkyLobes sampled_sky(BrdfTerms b, vec3 facing, float roughness) {
@@ -107,7 +107,7 @@ SkyLobes sampled_sky(BrdfTerms b, vec3 facing, float roughness) {
   const vec3 t2 = cross(stretched, t1);
   const float g1 = 2.0 * v.z / (v.z + sqrt(v.z * v.z * (1.0 - b.alpha2) + b.alpha2));
   const uint count = frame.image_light.pixel_samples;
-  const float slice = slice_of_roughness(roughness), share = share_of_lights(slice);
+  const float slice = slice_of_roughness(roughness), fraction = share_of_lights(slice);
   SkyLobes sum = SkyLobes(vec3(0.0), vec3(0.0));
   for (uint i = 0u; i < count; ++i) {
     const float u = (float(i) + 0.5) / float(count), phi = 2.0 * PI * float(bitfieldReverse(i)) * (1.0 / 4294967296.0);
@@ -134,7 +134,7 @@ SkyLobes sampled_sky(BrdfTerms b, vec3 facing, float roughness) {
     const float pdf = g1 * b.alpha2 / (4.0 * PI * k * k * v.z);
     const SkyTexels sky = sky_through(axes * l, 1.0 / (float(count) * pdf));
     const float weight = sampled_weight(b, g2 / g1, pdf, h, l.z);
-    sum.specular += (b.f0 + (b.f90 - b.f0) * (x2 * x2 * x)) * weight * mix(sky.all, sky.rest, share);
+    sum.specular += (b.f0 + (b.f90 - b.f0) * (x2 * x2 * x)) * weight * mix(sky.all, sky.rest, fraction);
   }
   sum.diffuse *= b.diffuse * PI / float(count);
   sum.specular /= float(count);

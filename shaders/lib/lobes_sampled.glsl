@@ -2,7 +2,7 @@
 // facets and light that passes through.
 
 // The sky's light on white sheen. What its wide lobe gathers is told by a few directions, evenly spread, each as wide
-// as its share; bright spots are lights. Their weights are made to sum to the lobe's albedo.
+// as its fraction; bright spots are lights. Their weights are made to sum to the lobe's albedo.
 vec3 sheen_of_sky(BrdfTerms b) {
   const bool is_sampled = IBL_METHOD == ibl_sampled;
   const uint count = is_sampled ? frame.image_light.pixel_samples : 16u;
@@ -20,12 +20,12 @@ vec3 sheen_of_sky(BrdfTerms b) {
     weights += weight;
   }
   sum *= albedo / max(weights, 1e-20);
-  const float share = is_sampled ? 1.0 : share_of_lights(slice);
+  const float fraction = is_sampled ? 1.0 : share_of_lights(slice);
   for (uint i = 0u; i < frame.image_light.light_count; ++i) {
     const SkyLight light = SkyLightsRef(frame.image_light.lights).s[i];
     const float n_l = dot(b.normal, light.direction);
     const vec3 h = light.direction + b.to_viewer;
-    if (n_l > 0.0) sum += share * light.illuminance * sheen_lobe(b, h, max(dot(h, h), 1e-8), n_l);
+    if (n_l > 0.0) sum += fraction * light.illuminance * sheen_lobe(b, h, max(dot(h, h), 1e-8), n_l);
   }
   return sum;
 }
@@ -52,7 +52,7 @@ SkyLobes sampled_sky(BrdfTerms b, vec3 facing, float roughness) {
   const vec3 t2 = cross(stretched, t1);
   const float g1 = 2.0 * v.z / (v.z + length_v);
   const uint count = frame.image_light.pixel_samples;
-  const float slice = slice_of_roughness(roughness), share = share_of_lights(slice);
+  const float slice = slice_of_roughness(roughness), fraction = share_of_lights(slice);
   SkyLobes sum = SkyLobes(vec3(0.0), vec3(0.0));
   for (uint i = 0u; i < count; ++i) {
     const float u = (float(i) + 0.5) / float(count), phi = 2.0 * PI * float(bitfieldReverse(i)) * (1.0 / 4294967296.0);
@@ -79,7 +79,7 @@ SkyLobes sampled_sky(BrdfTerms b, vec3 facing, float roughness) {
     const float pdf = g1 / (4.0 * PI * alpha.x * alpha.y * k * k * v.z);
     const SkyTexels sky = sky_through(axes * l, 1.0 / (float(count) * pdf));
     const float weight = sampled_weight(b, g2 / g1, pdf, h, l.z) * sheen_leaves(b, l.z);
-    sum.specular += base_fresnel(b, v_h).specular * weight * mix(sky.all, sky.rest, share);
+    sum.specular += base_fresnel(b, v_h).specular * weight * mix(sky.all, sky.rest, fraction);
   }
   sum.diffuse *= PI / float(count);
   sum.specular /= float(count);

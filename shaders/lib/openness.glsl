@@ -1,6 +1,6 @@
 #pragma once
 // How open a point is to the sky.
 struct Openness {
-  float share;  // of the light that an even sky would give
+  float fraction;  // of the light that an even sky would give
   vec3 bent;    // mean open direction, a unit vector; only where OCCLUSION_IS_BENT
 };

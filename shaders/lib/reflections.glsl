@@ -20,9 +20,9 @@ Reflecting unpack_reflecting(uvec4 bits) {
   const vec2 b = unpackHalf2x16(bits.y);
   return Reflecting(unpack_normal(bits.z), unpack_normal(bits.w), vec3(unpackHalf2x16(bits.x), b.x), b.y);
 }
-uvec2 pack_reflectance(vec3 share, float roughness) {
+uvec2 pack_reflectance(vec3 fraction, float roughness) {
   // Half floats end at 65504; no share does.
-  return uvec2(packHalf2x16(share.rg), packHalf2x16(vec2(share.b, roughness)));
+  return uvec2(packHalf2x16(fraction.rg), packHalf2x16(vec2(fraction.b, roughness)));
 }
 vec4 unpack_reflectance(uvec2 bits) { return vec4(unpackHalf2x16(bits.x), unpackHalf2x16(bits.y)); }
 

@@ -63,7 +63,7 @@ bool lobe_sample(ReflectedLobe o, uint part, uint parts, uint order, out LobeSam
     sampled.sky = max(dot(ambient_radiance(from_camera_space(sampled.l), vec3(1.0)), vec3(0.2126, 0.7152, 0.0722)),
         0.0);
   sampled.sky *= max(sampled.weight.r, max(sampled.weight.g, sampled.weight.b));
-  // A cone as wide as the sample's share of the lobe (Krivanek and Colbert, "Real-time Shading with Filtered Importance
+  // A cone as wide as the sample's fraction of the lobe (Krivanek and Colbert, "Real-time Shading with Filtered Importance
   // Sampling", 2008).
   const float d = dot(h.xy, h.xy) + h.z * h.z * o.alpha2;
   const float pdf = o.g1 * o.alpha2 / (4.0 * LOBE_PI * d * d * o.view.z);

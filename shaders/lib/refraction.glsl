@@ -11,7 +11,7 @@
 layout(constant_id = 40) const int REFRACTION_SAMPLES = 0;
 
 struct Refracted {
-  float share;  // of the diffuse base's light that goes through instead
+  float fraction;  // of the diffuse base's light that goes through instead
   vec4 light;   // pre-exposed, behind the surface as the camera would see it; and what of the picture is covered
   vec3 tint;    // of it, what the surface lets through
   bool is_traced;  // by a ray, which begins behind the fog before the surface
@@ -116,7 +116,7 @@ vec4 seen_through_lobe(GlassPoint g, int samples) {
     if (samples > 1) {
       const float k = dot(h.xy, h.xy) + h.z * h.z * alpha2;
       const float pdf = g1 * v_h * alpha2 / (PI * k * k * v.z) / spread;
-      const float angle = sqrt(1.0 / (float(samples) * max(pdf, 1e-8)));  // of a square as large as its share
+      const float angle = sqrt(1.0 / (float(samples) * max(pdf, 1e-8)));  // of a square as large as its fraction
       const float pixel_angle = 2.0 * frame.tan_half.x / float(frame.size_px.x);
       // Seen from the camera, a place so far behind the glass is nearer than from the glass.
       const float nearer = far_m < 1e18 && frame.perspective != 0u ? far_m / max(seen_m, 1e-20) : 1.0;
@@ -151,7 +151,7 @@ vec4 traced_behind(ivec2 pixel) {
 Refracted refracted_light(uint material, Surface s, BrdfTerms b, Varyings v, float scale) {
   const Glass glass = load_glass(material);
   Refracted r;
-  GlassPoint g = glass_point(glass, s, b, v, scale, r.share);
+  GlassPoint g = glass_point(glass, s, b, v, scale, r.fraction);
   r.is_traced = false;
 #ifdef REFRACTION_RAYS
   if (g.roughness < uintBitsToFloat(pc.own)) {
@@ -175,6 +175,6 @@ Refracted refracted_light(uint material, Surface s, BrdfTerms b, Varyings v, flo
   } else {
     r.light = seen_through(g);
   }
-  r.tint = glass_tint(glass, s, refraction_reflected(s, b), r.share, g.thickness_m > 0.0, g.thickness_m);
+  r.tint = glass_tint(glass, s, refraction_reflected(s, b), r.fraction, g.thickness_m > 0.0, g.thickness_m);
   return r;
 }

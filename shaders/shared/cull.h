@@ -4,7 +4,7 @@
 
 SHARED_BEGIN
 
-// One workgroup's share of a draw batch: up to cull_group_size consecutive items of one run.
+// One workgroup's fraction of a draw batch: up to cull_group_size consecutive items of one run.
 struct CullGroup {
   uint first_item, item_count;
   uint run;          // whose count this group adds to

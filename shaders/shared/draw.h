@@ -47,7 +47,7 @@ struct SkyPush {
 };
 struct SupersamplePush {
   uint source, before, target;
-  float share;
+  float fraction;
   uvec2 size_px;
 };
 struct BackgroundPush {

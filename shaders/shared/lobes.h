@@ -31,7 +31,7 @@ struct MaterialLobes {
 
 // What a body does to light that is in it (KHR_materials_volume_scatter), for the streams of a slab: 1/m.
 struct BodyLight {
-  vec3 turned, lost, depth;  // the shares that are scattered back and absorbed, and how light fades by both
+  vec3 turned, lost, depth;  // the fractions that are scattered back and absorbed, and how light fades by both
   vec3 extinction;           // of light that goes straight
   float thickness_m;         // in the mesh's space; 0: the material bounds no such body
 };

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/error_truth.h"
-#include "bench/error_walk.h"
+#include "bench/sweep_places.h"
 #include "bench/row.h"
 
 namespace candela {

@@ -39,11 +39,11 @@ constexpr Share shares[] = {{"shadow_sun", "direct_sun", "shadow.direct_sun"},
                             {"shadow_local", "direct_spot", "shadow.direct_spot"},
                             {"occlusion", "ambient_diffuse", "occlusion"}};
 
-// Of a term's error what comes from a share: the share's error times the term without it, which is known best where
-// more of it arrives.
-double error_of_share(double true_share, double share, double truth, double value) {
-  if (true_share == share) return 0;
-  return (share - true_share) * (true_share > share ? truth / true_share : value / share);
+// Of a term's error what comes from a fraction: the fraction's error times the term without it, which is known best
+// where more of it arrives.
+double error_of_share(double true_fraction, double fraction, double truth, double value) {
+  if (true_fraction == fraction) return 0;
+  return (fraction - true_fraction) * (true_fraction > fraction ? truth / true_fraction : value / fraction);
 }
 
 class Edges {
@@ -85,7 +85,7 @@ class Edges {
 std::vector<std::string> gpu_part_layers() {
   std::vector<std::string> names = edge_layers();
   for (const LayerName& term : Terms::layers) names.emplace_back(term.name);
-  for (const char* share : {"shadow_sun", "shadow_local", "occlusion"}) names.emplace_back(share);
+  for (const char* fraction : {"shadow_sun", "shadow_local", "occlusion"}) names.emplace_back(fraction);
   return names;
 }
 
@@ -106,8 +106,8 @@ std::map<std::string, double> error_parts(const FloatImage& reference, const Flo
   struct Term {
     Colour reference, picture;
     double* sum;
-    const std::vector<float>*true_share = nullptr, *share = nullptr;  // null: 1 everywhere
-    double* share_sum = nullptr;                                      // null: nothing dims the term
+    const std::vector<float>*true_fraction = nullptr, *fraction = nullptr;  // null: 1 everywhere
+    double* share_sum = nullptr;                                            // null: nothing dims the term
   };
   std::map<std::string, double> parts;
   double &all = parts["part.all"], &at_edges = parts["part.edges"];
@@ -115,12 +115,12 @@ std::map<std::string, double> error_parts(const FloatImage& reference, const Flo
   for (const std::string& name : reference_part_layers(true))
     if (const Colour colour = colour_of(reference, name); colour[0]) {
       Term& term = terms.emplace_back(colour, colour_of(picture, name), &parts["part." + name]);
-      for (const Share& share : shares) {
-        const Channel *truth = reference.find(share.layer + std::string(".Y")),
-                      *seen_share = picture.find(share.layer + std::string(".Y"));
-        if (name != share.term || (!truth && !seen_share)) continue;
-        term.true_share = truth ? &truth->f : nullptr, term.share = seen_share ? &seen_share->f : nullptr;
-        term.share_sum = &parts[std::string("part.") + share.part];
+      for (const Share& fraction : shares) {
+        const Channel *truth = reference.find(fraction.layer + std::string(".Y")),
+                      *seen_fraction = picture.find(fraction.layer + std::string(".Y"));
+        if (name != fraction.term || (!truth && !seen_fraction)) continue;
+        term.true_fraction = truth ? &truth->f : nullptr, term.fraction = seen_fraction ? &seen_fraction->f : nullptr;
+        term.share_sum = &parts[std::string("part.") + fraction.part];
       }
     }
   if (terms.empty()) return {};
@@ -140,10 +140,10 @@ std::map<std::string, double> error_parts(const FloatImage& reference, const Flo
           const double of_reference = (*term.reference[c])[i], value = term.picture[0] ? (*term.picture[c])[i] : 0.0f;
           double rest = value - of_reference;
           if (term.share_sum) {
-            const double of_share = error_of_share(term.true_share ? (*term.true_share)[i] : 1.0f,
-                                                   term.share ? (*term.share)[i] : 1.0f, of_reference, value);
-            *term.share_sum += of_share * of_share / scale;
-            rest -= of_share;
+            const double of_fraction = error_of_share(term.true_fraction ? (*term.true_fraction)[i] : 1.0f,
+                                                      term.fraction ? (*term.fraction)[i] : 1.0f, of_reference, value);
+            *term.share_sum += of_fraction * of_fraction / scale;
+            rest -= of_fraction;
           }
           *term.sum += rest * rest / scale;
         }

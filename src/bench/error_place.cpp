@@ -11,8 +11,8 @@
 #include "bench/error_parts.h"
 #include "bench/error_screen.h"
 #include "bench/error_views.h"
-#include "bench/error_walk.h"
 #include "bench/measured.h"
+#include "bench/sweep_places.h"
 #include "bench/sweep_rows.h"
 #include "metrics/compare.h"
 #include "render/outputs.h"
@@ -151,9 +151,9 @@ class PlaceRun {
     if (time_.limited()) {
       // A fifth of the time, or until its noise is below what errors differ by.
       names = {claimed_};
-      const double share = 0.2 * time_.left_s() / double(place_.views.size());
+      const double fraction = 0.2 * time_.left_s() / double(place_.views.size());
       limits.spp = std::max<uint64_t>(limits.spp, 4096), limits.noise = 1e-5;
-      limits.seconds = limits.seconds > 0 ? std::min(limits.seconds, share) : share;
+      limits.seconds = limits.seconds > 0 ? std::min(limits.seconds, fraction) : fraction;
       limits.with_parts = false;
     } else {
       for (const std::string& name : error_reference_names())
@@ -208,7 +208,7 @@ class PlaceRun {
       for (const std::string& technique : techniques)
         if (technique != own) whole(technique, quality);
     for (const std::string& technique : techniques) whole(technique, "exact");
-    if (!time_.stopped() && time_.left_s() > 0) consider_walks(own);
+    if (!time_.stopped() && time_.left_s() > 0) consider_sweeps(own);
     if (left_ + rows_.interrupted() > 0)
       note("{} settings were not measured: the time was over (--budget-s)", left_ + rows_.interrupted());
     if (dear_ > 0) note("{} settings were not measured: each would have taken more than the time that was left", dear_);
@@ -244,7 +244,7 @@ class PlaceRun {
     }
   }
 
-  void consider_walks(const std::string& technique) {
+  void consider_sweeps(const std::string& technique) {
     const auto exact = std::ranges::find_if(rows_.all(), [&](const OpenRow& row) {
       return row.planned.suite == "whole" && row.measured->row.quality == "exact" &&
              row.measured->row.technique == technique && row.measured->can_sample();
@@ -267,7 +267,7 @@ class PlaceRun {
   }
 
   // Measures what is no other row's work, where its time, if it is known, fits that fraction of what is left.
-  void consider(SweepRow row, std::optional<double> needs_s = {}, double share = 1) {
+  void consider(SweepRow row, std::optional<double> needs_s = {}, double fraction = 1) {
     if (time_.over()) {
       ++left_;
       return;
@@ -297,7 +297,7 @@ class PlaceRun {
       works_.emplace(hash128(works), nullptr);
       return;
     }
-    if ((needs_s ? *needs_s : estimated_s(job)) > share * time_.left_s()) {
+    if ((needs_s ? *needs_s : estimated_s(job)) > fraction * time_.left_s()) {
       ++dear_;
       return;
     }

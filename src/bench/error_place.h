@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "bench/error_sweep.h"
-#include "bench/error_walk.h"
+#include "bench/sweep_places.h"
 #include "bench/scene_store.h"
 
 namespace candela {

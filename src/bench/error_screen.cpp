@@ -38,7 +38,7 @@ std::vector<std::string> knob_steps(const KnobRow& knob) {
     return values;
   }
   const double now = std::strtod(knob.value_now.c_str(), nullptr);
-  // The nearest on either side, whichever way the walk runs, and the exact end.
+  // The nearest on either side, whichever way the sweep runs, and the exact end.
   const std::string *below = nullptr, *above = nullptr;
   for (const std::string& value : knob.sweep) {
     const double v = std::strtod(value.c_str(), nullptr);
@@ -90,9 +90,9 @@ Expected<Screen> screen_knobs(Session& session, const ScreenOptions& o, const st
   for (KnobRow& knob : knobs) {
     for (const KnobSetting& s : base.settings)
       if (s.pass == knob.pass && s.knob == knob.knob) knob.value_now = s.value;
-    const std::set<std::string> walk(knob.sweep.begin(), knob.sweep.end());
+    const std::set<std::string> sweep(knob.sweep.begin(), knob.sweep.end());
     const bool whole = o.whole.contains(knob.pass + "." + knob.knob);
-    for (const std::string& value : whole ? std::vector(walk.begin(), walk.end()) : knob_steps(knob)) {
+    for (const std::string& value : whole ? std::vector(sweep.begin(), sweep.end()) : knob_steps(knob)) {
       if (value == knob.value_now) continue;
       if (over()) {
         ++screen.left;

@@ -27,7 +27,7 @@ struct ScreenOptions {
   int divisor = 4;                     // of width and height
   const FloatImage* truth;             // of the small size
   std::set<std::string> knobs;         // these alone ("occlusion.rays"); empty: all
-  std::set<std::string> whole;         // knobs whose whole walk is tried, of these
+  std::set<std::string> whole;         // knobs whose whole sweep is tried, of these
   bool times = true;                   // knobs that change nothing but time, too
   std::set<Hash128>* known = nullptr;  // works that need not be rendered again, and are added to; null: the base's own
   int frames = 0;                      // timed, of each, after one that is not; 0: that one
@@ -35,7 +35,7 @@ struct ScreenOptions {
 // session: of the base's scene; its settings are changed. Errors: those of the base's own picture.
 Expected<Screen> screen_knobs(Session& session, const ScreenOptions& options, const std::function<bool()>& over);
 
-// Values beside the knob's own: neighbours along its walk and its exact end; of a choice all others.
+// Values beside the knob's own: neighbours in its sweep and its exact end; of a choice all others.
 std::vector<std::string> knob_steps(const KnobRow& knob);
 
 bool is_number_text(const std::string& value);          // of a knob: no name of a choice

@@ -5,7 +5,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "bench/error_place.h"
-#include "bench/error_walk.h"
+#include "bench/sweep_places.h"
 
 namespace candela {
 Expected<BenchRun> run_error_sweep(const ErrorSweepOptions& options, const RunSettings& settings,

@@ -119,7 +119,7 @@ std::optional<LightLists> light_lists(const FrameResult& frame) {
   lists.mean = total / double(listed.size());
   lists.p95 = percentile(std::vector<double>(listed.begin(), listed.end()), 0.95);
   lists.max = *std::max_element(listed.begin(), listed.end());
-  lists.waste_share = total > 0 ? sum(layer_values(frame, wasted_layer)) / total : 0;
+  lists.waste_fraction = total > 0 ? sum(layer_values(frame, wasted_layer)) / total : 0;
   lists.missed = sum(layer_values(frame, missed_layer));
   return lists;
 }

@@ -22,7 +22,7 @@ Series& series(std::vector<Series>& all, const std::string& name);  // made when
 // How often lights stand in the lists that pixels walk (layers heatmap_*). "Lights per tile", weighted by pixels.
 struct LightLists {
   double mean = 0, p95 = 0, max = 0;
-  double waste_share = 0;  // of listed lights: those that contribute nothing
+  double waste_fraction = 0;  // of listed lights: those that contribute nothing
   double missed = 0;       // lights that contribute and are not listed, over all pixels: must be 0
 };
 

@@ -40,7 +40,7 @@ std::vector<Scaling> scalings(const std::vector<const BenchRow*>& rows) {
       s.frame_ci.push_back(median_interval(row->frame.ms));
       s.gpu_ms.push_back(summary(row->gpu.ms).median);
       s.lights_per_pixel.push_back(row->lists ? row->lists->mean : std::nan(""));
-      s.waste_share.push_back(row->lists ? row->lists->waste_share : std::nan(""));
+      s.waste_fraction.push_back(row->lists ? row->lists->waste_fraction : std::nan(""));
       s.memory_mib.push_back(device_peak_mib(*row));
     }
     s.all = fit_power(s.lights, s.frame_ms);

@@ -9,7 +9,7 @@ namespace candela {
 // were counted.
 struct Scaling {
   std::string way;
-  std::vector<double> lights, frame_ms, gpu_ms, lights_per_pixel, waste_share, memory_mib;
+  std::vector<double> lights, frame_ms, gpu_ms, lights_per_pixel, waste_fraction, memory_mib;
   std::vector<Interval> frame_ci;  // 95 % of the medians in frame_ms
   PowerFit all, top;               // of frame_ms: over all, and over the last factor of 64 in the number of lights
 };

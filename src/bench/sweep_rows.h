@@ -7,7 +7,7 @@
 
 #include "bench/deadline.h"
 #include "bench/error_judge.h"
-#include "bench/error_walk.h"
+#include "bench/sweep_places.h"
 #include "bench/measured.h"
 
 namespace candela {

@@ -225,7 +225,7 @@ class Builder {
 BoxReference reference_to(const TriangleCorners& t, uint32_t id) {
   const F4 a = F4::load3(&t.corner[0].x), b = F4::load3(&t.corner[1].x), c = F4::load3(&t.corner[2].x);
   const F4 low = min(min(a, b), c), high = max(max(a, b), c);
-  const F4 margin = F4::all((high - low).largest3() * rounding_share);
+  const F4 margin = F4::all((high - low).largest3() * rounding_fraction);
   BoxReference r;
   (low - margin).store(r.low);
   (high + margin).store(r.high);

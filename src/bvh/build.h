@@ -25,7 +25,7 @@ struct alignas(16) BoxReference {
 
 // The sheared corners of the triangle test are rounded by a fraction of the triangle's size, so it may meet rays that
 // pass beside the triangle by that. Boxes are wider by a little more, or traversal would miss what the test would find.
-constexpr float rounding_share = 0x1p-21f;
+constexpr float rounding_fraction = 0x1p-21f;
 BoxReference reference_to(const TriangleCorners& triangle, uint32_t id);
 
 struct BinaryNode {

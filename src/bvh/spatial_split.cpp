@@ -19,7 +19,7 @@ class Cutter {
       corner_[i] = F4::load3(&t.corner[i].x);
       low = i == 0 ? corner_[i] : min(low, corner_[i]), high = i == 0 ? corner_[i] : max(high, corner_[i]);
     }
-    margin_ = F4::all((high - low).largest3() * rounding_share);
+    margin_ = F4::all((high - low).largest3() * rounding_fraction);
     // Where an edge meets a plane: off by the rounding of the parameter, which moves the point along the edge, and of
     // the point itself.
     slack_ = ((high - low) + max(absolute(low), absolute(high))) * F4::all(4 * 0x1p-24f) + margin_;

@@ -315,7 +315,7 @@ Expected<void> check_options(const BenchOptions& o) {
                 "--reference-spp, --reference-seconds and --hdr-flip go with --error");
   if (o.error && (!o.settings.empty() || !o.qualities.empty() || !o.samples.empty()))
     return fail(ErrorKind::usage, "--error",
-                "walks knobs, qualities and samples itself: --set, --quality and --samples do not go with it");
+                "sweeps knobs, qualities and samples itself: --set, --quality and --samples do not go with it");
   if (o.no_slower_percent && o.compare.empty())
     return fail(ErrorKind::usage, "--no-slower-than", "goes with --compare OLD NEW");
   if (!o.report.empty() && (o.suite == "exactness" || !o.compare.empty()))

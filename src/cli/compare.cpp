@@ -68,7 +68,7 @@ std::string comparison_table(const Comparison& c, const std::vector<LimitVerdict
   add_metrics(rows, "", c.metrics, c.max_at, c.noise, verdicts);
   text += table_text(rows);
   text += fmt::format("relmse: epsilon {}; relmse-trimmed: without the {} % of the pixels where it is largest\n",
-                      relmse_epsilon, trimmed_share * 100);
+                      relmse_epsilon, trimmed_fraction * 100);
   if (c.exposures)
     text += fmt::format("hdr-flip: {} exposures from {:.6g} to {:.6g} stops, ACES curve\n", c.exposures->count,
                         c.exposures->start, c.exposures->stop);

@@ -1,12 +1,11 @@
 #include "gpu/device_select.h"
 
 #include <cctype>
-#include <cstdlib>
 #include <cstring>
-#include <filesystem>
 
 #include "base/process.h"
 #include "base/text.h"
+#include "gpu/driver_files.h"
 
 namespace candela::gpu {
 
@@ -146,43 +145,6 @@ std::string lower(std::string_view text) {
 
 bool all_digits(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c); });
-}
-
-// Files that say where drivers are, as the loader looks for them.
-std::vector<std::string> driver_files() {
-  namespace fs = std::filesystem;
-  std::vector<std::string> found;
-  std::error_code failed;
-  for (const char* name : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"})
-    if (const char* files = std::getenv(name); files && *files) {
-      for (const std::string& file : split(files, ':'))
-        if (fs::is_regular_file(file, failed)) found.push_back(file);
-      return found;
-    }
-  const std::string system = "/usr";
-  std::string folders = "/etc:" + system + "/local/etc";
-  const auto add = [&](const char* name, std::string otherwise) {
-    const char* value = std::getenv(name);
-    folders += ":" + (value && *value ? std::string(value) : std::move(otherwise));
-  };
-  const char* home = std::getenv("HOME");
-  if (home) add("XDG_DATA_HOME", fmt::format("{}/.local/share", home));
-  add("XDG_DATA_DIRS", fmt::format("{0}/local/share:{0}/share", system));
-  for (const std::string& folder : split(folders, ':'))
-    for (fs::directory_iterator entry(fs::path(folder) / "vulkan/icd.d", failed), end; !failed && entry != end;
-         entry.increment(failed))
-      if (entry->path().extension() == ".json") found.push_back(entry->path().string());
-  return found;
-}
-
-// Loaders report a driver that fails as one that is not there.
-std::string no_driver() {
-  const std::vector<std::string> files = driver_files();
-  if (files.empty()) return "no Vulkan driver found; install mesa-vulkan-drivers from bookworm-backports";
-  return fmt::format(
-      "no Vulkan driver starts, though {} {} there; the loader's own log says why: VK_LOADER_DEBUG=error in the "
-      "environment",
-      joined(files), files.size() == 1 ? "is" : "are");
 }
 
 std::string describe(std::span<const DeviceInfo> devices) {

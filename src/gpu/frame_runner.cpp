@@ -1,11 +1,11 @@
 #include "gpu/frame_runner.h"
 
 #include <array>
-#include <chrono>
 
 #include "base/check.h"
 #include "gpu/command_list_impl.h"
 #include "gpu/frame_hash.h"
+#include "gpu/frame_slot.h"
 #include "gpu/physical.h"
 #include "gpu/pipelines.h"
 #include "gpu/queue_work.h"
@@ -17,86 +17,6 @@ namespace {
 
 // Recognisable bytes for what no one wrote yet, while hashing: the same in every run, and wrong enough to be seen.
 constexpr uint32_t poison = 0xcdcdcdcd;
-
-class Stopwatch {
- public:
-  double lap_ms() {
-    const auto now = std::chrono::steady_clock::now();
-    const double ms = std::chrono::duration<double, std::milli>(now - start_).count();
-    start_ = now;
-    return ms;
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
-// A submitted frame, and what must live until the device is done with it.
-struct PendingFrame {
-  FrameTicket ticket = 0;
-  FrameRun result;
-  std::vector<std::string> passes;
-  std::vector<std::shared_ptr<ReadbackPool::Pooled>> readbacks;  // those of the result
-  std::shared_ptr<Physical> physical;
-  std::vector<std::shared_ptr<const void>> keep;
-};
-
-// What one frame in flight has for itself. Its number is that of its descriptor sets in Physical.
-struct FrameSlot {
-  size_t index;
-  Timing timing;
-  std::optional<PendingFrame> pending;  // from submit to collect
-  bool given_up = false;                // a wait failed; whatever it holds stays until the device is done
-  QueueWork work;                       // last: its end waits for the device, before what the device uses goes
-
-  FrameSlot(Device& device, QueueTimelines& timelines, size_t i) : index(i), timing(device), work(device, timelines) {}
-  void wait(size_t first, size_t last, double timeout_s);
-  void finish(double timeout_s);
-  void wait_if_given_up();
-};
-
-// Waits for the passes [first, last) of one submission. Their marks or posts tell how far the device came.
-void FrameSlot::wait(size_t first, size_t last, double timeout_s) {
-  const auto names_from = [&](size_t from) {
-    std::string names;
-    for (size_t i = from; i < last; ++i) names += (names.empty() ? "" : ", ") + pending->passes[i];
-    return names;
-  };
-  try {
-    if (work.wait(timeout_s)) return;
-  } catch (const GpuError& error) {
-    throw GpuError(error.result, fmt::format("waiting for the passes {}", names_from(first)));
-  }
-  size_t begun = first;
-  for (size_t i = first; i < last && last - first > 1; ++i)
-    if (timing.reached(uint32_t(i))) begun = i;
-  throw GpuError(VK_TIMEOUT,
-                 fmt::format("the frame did not end within {} s; the device had come to the pass {}; not finished: {}",
-                             timeout_s, pending->passes[begun], names_from(begun)));
-}
-
-// Waits for the whole frame, unless that is done, and lets go of what the device no longer needs.
-void FrameSlot::finish(double timeout_s) {
-  Stopwatch watch;
-  if (work.pending()) {
-    try {
-      wait(0, pending->passes.size(), timeout_s);
-    } catch (...) {
-      given_up = true;
-      throw;
-    }
-    pending->result.wait_ms += watch.lap_ms();
-  }
-  pending->physical.reset();
-  pending->keep.clear();
-}
-
-void FrameSlot::wait_if_given_up() {
-  if (!given_up) return;
-  work.wait_for_end();
-  pending.reset();
-  given_up = false;
-}
 
 }  // namespace
 

@@ -31,6 +31,7 @@ constexpr OldName layers[] = {{"shadow", "shadow_sun"},
                               {"debug.bvh", "debug_bvh"}};
 constexpr OldName effects[] = {{"ssr", "reflections"}};
 constexpr OldName tables[] = {{"shadows", "local"}};
+constexpr OldName knobs[] = {{"fog.lamp_shadows", "fog.local_shadows"}};
 
 void take_new(std::string& name, std::span<const OldName> names, std::string_view what) {
   for (const OldName& old : names)
@@ -43,7 +44,12 @@ void take_new(std::string& name, std::span<const OldName> names, std::string_vie
 
 }  // namespace
 
-void take_new_names(KnobSetting& setting) { take_new(setting.pass, tables, "the table of knobs"); }
+void take_new_names(KnobSetting& setting) {
+  take_new(setting.pass, tables, "the table of knobs");
+  std::string knob = setting.pass + "." + setting.knob;
+  take_new(knob, knobs, "the knob");
+  setting.knob = knob.substr(setting.pass.size() + 1);
+}
 
 void take_new_names(Job& job) {
   for (std::string& layer : job.layers) take_new(layer, layers, "the layer");

@@ -140,7 +140,8 @@ Row<T> objects_row(std::string name, size_t most, const Rows<Part>& rows,
           }};
 }
 
-Row<Look> fog_row();  // look_fog.cpp
+const Rows<Look>& look_table();  // all rows of a look; look.cpp
+Row<Look> fog_row();             // look_fog.cpp
 Row<Look> volumetric_row();
 Row<Look> probes_row();  // look_probes.cpp
 // Keys over time in it are an error (input): it says what does not change.

@@ -10,7 +10,7 @@ namespace {
 constexpr std::array<std::pair<std::string_view, double GateLimits::*>, 5> members = {
     {{"max_abs", &GateLimits::max_abs},
      {"small_abs", &GateLimits::small_abs},
-     {"small_share", &GateLimits::small_share},
+     {"small_share", &GateLimits::small_fraction},
      {"flip_mean", &GateLimits::flip_mean},
      {"flip_p99", &GateLimits::flip_p99}}};
 
@@ -55,7 +55,7 @@ Expected<void> read_members(const nlohmann::ordered_json& object, GateLimits& li
 // Largest difference of any channel and the fraction of pixels that differ by more than small_abs, of the values that
 // the display shows: colour encoded and clamped, alpha as stored.
 struct Spread {
-  double largest = 0, share = 0;
+  double largest = 0, fraction = 0;
 };
 Spread spread_of(const FloatImage& golden, const FloatImage& actual, double small_abs, Encoding encoding) {
   auto a = display_planes(golden, encoding), b = display_planes(actual, encoding);
@@ -75,7 +75,7 @@ Spread spread_of(const FloatImage& golden, const FloatImage& actual, double smal
     spread.largest = std::max(spread.largest, largest);
     over += largest > small_abs;
   }
-  spread.share = double(over) / double(count);
+  spread.fraction = double(over) / double(count);
   return spread;
 }
 
@@ -141,12 +141,12 @@ GateResult judge_golden(const FloatImage& golden, const FloatImage& actual, cons
   result.flip_p99 = flip_percentile(result.comparison.flip_map, 0.99);
   const Spread spread = spread_of(golden, actual, limits.small_abs, encoding);
   result.largest = spread.largest;
-  result.small_share = spread.share;
+  result.small_fraction = spread.fraction;
   result.message = fmt::format(
       "{} pixels differ, by at most {:.2f}/255; {:.4f} % by more than {:.2f}/255; FLIP mean {:.5f}, p99 {:.4f}",
-      quick.metrics.at("differing"), spread.largest * 255, spread.share * 100, limits.small_abs * 255, flip->second,
+      quick.metrics.at("differing"), spread.largest * 255, spread.fraction * 100, limits.small_abs * 255, flip->second,
       result.flip_p99);
-  if (spread.largest <= limits.max_abs && spread.share <= limits.small_share)
+  if (spread.largest <= limits.max_abs && spread.fraction <= limits.small_fraction)
     result.level = GateLevel::nearly_identical;
   else if (flip->second <= limits.flip_mean && result.flip_p99 <= limits.flip_p99)
     result.level = limits.warn && within(*limits.warn, spread.largest, flip->second, result.flip_p99)

@@ -13,7 +13,7 @@ namespace candela {
 struct GateLimits {
   double max_abs = 2.0 / 255;    // level 2: no channel differs by more,
   double small_abs = 1.0 / 255;  //         and by more than this ...
-  double small_share = 0.001;    //         ... only in this fraction of the pixels
+  double small_fraction = 0.001;    //         ... only in this fraction of the pixels
   double flip_mean = 0.01;       // levels 3 and 4: mean of the FLIP map
   double flip_p99 = 0.10;        //         and its 99th percentile
   // Rung 3 alone: what is beyond passes with a warning. Without it all that reaches the FLIP map is warned of.
@@ -40,7 +40,7 @@ struct GateResult {
   std::string message;     // why not a better level; empty for identical
   Comparison comparison;   // its FLIP map is there unless the images are identical or were refused
   double largest = 0;      // of all channels' differences
-  double small_share = 0;  // pixels that differ by more than small_abs
+  double small_fraction = 0;  // pixels that differ by more than small_abs
   double flip_p99 = 0;
   bool blank = false;  // the new image shows a single colour
   bool passed() const { return level != GateLevel::failed; }

@@ -96,7 +96,7 @@ std::string comparison_json(const Comparison& comparison, std::span<const LimitV
   json["metrics"] = metrics_json(comparison.metrics);
   json["pass"] = passes(comparison, verdicts);
   json["relmse_epsilon"] = relmse_epsilon;
-  json["trimmed_share"] = trimmed_share;
+  json["trimmed_share"] = trimmed_fraction;
   add_place(json, comparison.max_at);
   if (comparison.exposures)
     json["hdr_flip_exposures"] = {{"start", comparison.exposures->start},

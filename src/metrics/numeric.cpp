@@ -38,12 +38,12 @@ NumericResult numeric_metrics(std::span<const ChannelPair> channels, int width, 
         if (!std::isfinite(from->f[i])) continue;
         const double r = from->f[i], d = std::abs(double(to->f[i]) - r);
         if (d > row.largest) row.largest = d, row.at = {x, y, from->name};
-        const double share = d * d / (r * r + relmse_epsilon);
+        const double fraction = d * d / (r * r + relmse_epsilon);
         row.absolute += d;
         row.square += d * d;
-        row.relative += share;
+        row.relative += fraction;
         largest[i] = std::max(largest[i], float(d));
-        relative[i] += share;
+        relative[i] += fraction;
       }
     return 0.0;
   });
@@ -64,7 +64,7 @@ NumericResult numeric_metrics(std::span<const ChannelPair> channels, int width, 
     result.metrics[name] = sorted_percentile(largest, fraction);
   // Rounded down: a picture of fewer than a thousand pixels is not trimmed.
   std::sort(relative.begin(), relative.end());
-  const size_t kept = pixels - size_t(trimmed_share * double(pixels));
+  const size_t kept = pixels - size_t(trimmed_fraction * double(pixels));
   const double rest = std::accumulate(relative.begin(), relative.begin() + std::ptrdiff_t(kept), 0.0);
   result.metrics["relmse-trimmed"] =
       kept == pixels ? result.metrics["relmse"] : rest / (double(channels.size()) * double(kept));

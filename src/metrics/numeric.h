@@ -12,7 +12,7 @@ namespace candela {
 using ChannelPair = std::pair<const Channel*, const Channel*>;
 
 inline constexpr double relmse_epsilon = 0.01;  // added to the square of the reference in relmse
-inline constexpr double trimmed_share =
+inline constexpr double trimmed_fraction =
     0.001;  // of the pixels, those with the largest error, which relmse-trimmed leaves out
 
 struct Place {

@@ -35,7 +35,7 @@
 #include "passes/post/supersample.h"
 #include "passes/post/tonemap.h"
 #include "passes/reflections/reflections.h"
-#include "passes/shadows/lamp_layers.h"
+#include "passes/shadows/local_layers.h"
 #include "passes/shadows/light_voxels.h"
 #include "passes/shadows/sun_layers.h"
 #include "passes/sky/background.h"
@@ -72,7 +72,7 @@ using AllPasses =
              LightBoundsPass, LightAssign, LightScan, LightFill, LightSort, FillLightVoxels, AmbientOcclusion, FogGrid,
              FogMarch, ShadeVisible, GBuffer, ShadeGBuffer, LightVolumeLists, ShadeVolumes, PutSamples, ShadeForward,
              ShadeUnlit, Sky, Background, Reflections, ReflectionsOver, Refraction, Transparent, Weighted, Moments,
-             Fragments, Phenomenological, Layers, Terms, FogLayers, SunLayers, LampLayers, OcclusionLayer, LightHeat,
+             Fragments, Phenomenological, Layers, Terms, FogLayers, SunLayers, LocalLayers, OcclusionLayer, LightHeat,
              LightVolumeLayer, TraversalHeat, TreeBoxes, MotionLayer, MatteIds, MatteRanks, Supersample, Resolve,
              VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
 

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "base/check.h"
+#include "plan/packed_values.h"
 #include "scene/blinn_phong.h"
 #include "scene/matte_names.h"
 
@@ -57,10 +58,6 @@ LightItem brought_nearer(LightItem l) {
 }
 
 double one_minus_cosine(double angle) { return 2 * std::pow(std::sin(angle / 2), 2); }
-
-float inverse_range(float range_m) {
-  return std::isfinite(range_m) ? std::min(1.0f / range_m, std::numeric_limits<float>::max()) : 0.0f;
-}
 
 shared::Light shared_light(const LightItem& given) {
   const LightItem l = brought_nearer(given);
@@ -129,10 +126,6 @@ void add_items(const FrameData& data, const DrawList& draws, const GeometryLayou
     out.object_id = item.node;
     upload.items.push_back(out);
   }
-}
-
-shared::WideTransform wide(const glm::dmat4& m) {
-  return {glm::dvec3(m[0]), glm::dvec3(m[1]), glm::dvec3(m[2]), glm::dvec3(m[3])};
 }
 
 // What a pass poses items from.
@@ -350,34 +343,6 @@ FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& 
   upload.constants.light_count = uint32_t(data.light_count());
   upload.constants.item_count = upload.item_count;
   return upload;
-}
-
-std::vector<shared::LightInstance> pack_light_instances(const Scene& scene, const LightLayout& layout) {
-  std::vector<shared::LightInstance> out;
-  out.reserve(layout.instance_count);
-  for (const LightSet& set : layout.sets) {
-    const LightInstances& from = *scene.nodes[set.node].light_instances;
-    for (size_t i = 0; i < from.count(); ++i) {
-      shared::LightInstance to{};
-      to.translation = from.translation[i];
-      if (!from.direction.empty()) to.direction = from.direction[i];
-      to.color = from.color.empty() ? glm::vec3(1) : from.color[i];
-      to.intensity = from.intensity.empty() ? 1.0f : from.intensity[i];
-      if (!from.range_m.empty()) to.inverse_range = inverse_range(from.range_m[i]);
-      const LightModulation modulation = from.modulation.empty() ? LightModulation{} : from.modulation[i];
-      to.depth = modulation.depth, to.period = modulation.period_s, to.phase = modulation.phase;
-      out.push_back(to);
-    }
-  }
-  return out;
-}
-
-std::vector<shared::WideTransform> pack_mesh_instances(const InstanceLayout& layout) {
-  std::vector<shared::WideTransform> out;
-  out.reserve(layout.instance_count);
-  for (const InstanceSet& set : layout.sets)
-    for (const glm::dmat4& m : set.node_from_instance) out.push_back(wide(m));
-  return out;
 }
 
 namespace {

@@ -79,7 +79,7 @@ Expected<LitFrame> light_frame(const AskedFrame& asked, const SurveyedFrame& fra
     lit.fog = frame_fog(request.look, frame.view, frame.data, extent.farthest_m, nodes, uint32_t(fog.sky_directions));
   }
 
-  clock.begin("lamp_shadows");
+  clock.begin("local_shadows");
   const int rows = request.height_px * int(knobs.get<Supersample::Knobs>().grid().y);
   auto lamps = plan_lamps(context.scene, frame, packed, knobs.get<LampKnobs>(), rows, maps);
   if (!lamps) return std::unexpected(lamps.error());

@@ -22,7 +22,7 @@ struct LitFrame {
   std::optional<shared::FogMedium> fog;
   std::vector<std::string> notes;
 };
-// clock: gets the times of its four parts, light_grid, sun_shadows, fog and lamp_shadows. Errors: those of plan_suns()
+// clock: gets the times of its four parts, light_grid, sun_shadows, fog and local_shadows. Errors: those of plan_suns()
 // and plan_lamps().
 Expected<LitFrame> light_frame(const AskedFrame& asked, const SurveyedFrame& frame, const PackedFrame& packed,
                                const PlanContext& context, StageClock& clock);

@@ -105,8 +105,9 @@ shared::View cascade_view(const glm::dmat3& axes, glm::dvec2 centre, double half
 std::vector<double> cascade_splits(double near_m, double far_m, int count, double lambda) {
   std::vector<double> ends;
   for (int i = 1; i <= count; ++i) {
-    const double share = double(i) / count;
-    const double logarithmic = near_m * std::pow(far_m / near_m, share), uniform = near_m + (far_m - near_m) * share;
+    const double fraction = double(i) / count;
+    const double logarithmic = near_m * std::pow(far_m / near_m, fraction),
+                 uniform = near_m + (far_m - near_m) * fraction;
     ends.push_back(i == count ? far_m : lambda * logarithmic + (1 - lambda) * uniform);
   }
   return ends;

@@ -78,9 +78,9 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     add("frame.view_regions", &Inputs::view_regions, frame.suns.views.first_command);
     add("frame.suns", &Inputs::suns, frame.suns.shadows);
     // Views of lamps come and go as the camera moves: their buffers have sizes in powers of two.
-    add_rounded("frame.lamp_views", &Inputs::lamp_views, frame.lamps.views.table);
-    add_rounded("frame.lamp_view_regions", &Inputs::lamp_view_regions, frame.lamps.views.first_command);
-    add_rounded("frame.lamps", &Inputs::lamps, frame.lamps.shadows);
+    add_rounded("frame.local_views", &Inputs::lamp_views, frame.lamps.views.table);
+    add_rounded("frame.local_view_regions", &Inputs::lamp_view_regions, frame.lamps.views.first_command);
+    add_rounded("frame.local_lights", &Inputs::lamps, frame.lamps.shadows);
     add("frame.deform_jobs", &Inputs::deform_jobs, u.deform_jobs);
     add("frame.joints", &Inputs::joints, frame.data.joint_matrices);
     add("frame.weights", &Inputs::weights, frame.data.morph_weights);

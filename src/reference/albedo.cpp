@@ -86,8 +86,8 @@ DirectionalAlbedo directional_albedo(double roughness, double n_v) {
 namespace {
 
 // share: cosine of the view where facets are as those of roughness 1.
-glm::dvec3 gain_of(glm::dvec3 f0, double alpha, double share) {
-  // Rows by powers of alpha from 0, columns by powers of the share from 1.
+glm::dvec3 gain_of(glm::dvec3 f0, double alpha, double fraction) {
+  // Rows by powers of alpha from 0, columns by powers of the fraction from 1.
   static constexpr double fit[4][6] = {{0.25913, -0.826616, 3.97086, -8.91993, 9.34809, -3.83096},
                                        {0.000180769, 1.85641, -5.33695, 5.53192, -1.18695, -0.926116},
                                        {4.20931, -18.1444, 36.7748, -29.5164, -0.449344, 8.6848},
@@ -95,7 +95,7 @@ glm::dvec3 gain_of(glm::dvec3 f0, double alpha, double share) {
   double sum = 0;
   for (int row = 0; row < 4; ++row)
     for (int column = 0; column < 6; ++column)
-      sum += fit[row][column] * std::pow(alpha, row) * std::pow(share, column + 1);
+      sum += fit[row][column] * std::pow(alpha, row) * std::pow(fraction, column + 1);
   return 1.0 + f0 * sum;
 }
 

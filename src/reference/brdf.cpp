@@ -112,9 +112,9 @@ double brdf_pdf(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
   if (s.lobes) return lobes_pdf(s, l, v);
   const double n_l = glm::dot(s.normal, l);
   if (!(n_l > 0)) return 0;
-  const double share = specular_share(s, v);
-  const double diffuse = (1 - share) * n_l / pi;
-  return share > 0 ? diffuse + share * base_lobe_pdf(s, l, v) : diffuse;
+  const double fraction = specular_share(s, v);
+  const double diffuse = (1 - fraction) * n_l / pi;
+  return fraction > 0 ? diffuse + fraction * base_lobe_pdf(s, l, v) : diffuse;
 }
 
 }  // namespace candela::reference

@@ -8,9 +8,9 @@
 //
 // The dielectric interface has the exact Fresnel reflectance, scaled to the specular extension's values at normal and
 // grazing incidence, over GGX facets (Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007).
-// What it lets through meets the base: the transmitted share goes on, tinted by the base colour, the rest is diffuse.
+// What it lets through meets the base: the transmitted fraction goes on, tinted by the base colour, the rest is diffuse.
 // Below least_roughness the interface is a mirror and a window. Lobes (lobes.h) lie on it as on opaque surfaces; of
-// what is left to the base after transmission, diffuse transmission takes its share.
+// what is left to the base after transmission, diffuse transmission takes its fraction.
 namespace candela::reference {
 
 // What a body scatters (KHR_materials_volume_scatter), 1/m: a part of its extinction, by Henyey and Greenstein's phase
@@ -55,7 +55,7 @@ std::optional<Bend> bent(const Surface& s, glm::dvec3 v);
 // nothing else can.
 glm::dvec3 evaluate_bsdf(const Surface& s, glm::dvec3 l, glm::dvec3 v, bool punctual = false);
 double bsdf_pdf(const Surface& s, glm::dvec3 l, glm::dvec3 v);  // 1/sr
-// Of evaluate_bsdf()'s light, the share that the base reflects diffusely, channel by channel.
+// Of evaluate_bsdf()'s light, the fraction that the base reflects diffusely, channel by channel.
 glm::dvec3 diffuse_share(const Surface& s, glm::dvec3 l, glm::dvec3 v);
 
 // Whether light in direction l, counted away from the surface, is on the same side of the triangle as of the shading

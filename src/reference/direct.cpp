@@ -407,10 +407,10 @@ glm::dvec3 Integrator::traced_ambient(const Surface& s, const SurfacePoint& poin
     glm::dvec3 arriving = radiance * sky_visibility(s, point, direction);
     if (lobe) {
       // What the lobe meets stands before the sky, however far it is.
-      const glm::dvec3 share = diffuse_share(s, direction, v), diffuse = arriving * share;
+      const glm::dvec3 fraction = diffuse_share(s, direction, v), diffuse = arriving * fraction;
       arriving = diffuse;
       if (!settings_.visibility || (is_open(s, direction) && !reflecting_hit(point, direction)))
-        arriving += radiance * (1.0 - share) * world_.through_fog(s.position, direction, endless);
+        arriving += radiance * (1.0 - fraction) * world_.through_fog(s.position, direction, endless);
       if (terms) terms->add_ambient(diffuse, arriving);
     } else if (terms) {
       terms->add_ambient(arriving * diffuse_share(s, direction, v), arriving);

@@ -1,7 +1,7 @@
 // Fog as direct sees it: what the medium emits, and light that is scattered once on its way from its source.
 //
 // Every light that reaches the ray is summed, and its integral along it is estimated at fog_steps points. They lie in
-// strata of equal share - one point in each - under two densities, weighted by the power heuristic of Veach: by
+// strata of equal fraction - one point in each - under two densities, weighted by the power heuristic of Veach: by
 // transmittance towards the camera (for every extinction that a colour channel has), whose weights are the exact
 // energy-conserving integral (1 - e^-x) of each stratum, and, for lights with a place, mostly equi-angular about the
 // light (Kulla and Fajardo, "Importance Sampling Techniques for Path Tracing in Participating Media", 2012), which
@@ -139,9 +139,9 @@ Points points_on(const Stretch& stretch, int count, bool has_place) {
 // The same of so many on average.
 Points mean_points_on(const Stretch& stretch, double count) {
   Points points;
-  const double share = share_of_transmittance(stretch);
-  points.by_angle = (1 - share) * count;
-  for (int k = 0; k < stretch.kinds(); ++k) points.of_kind[k] = share * count / stretch.kinds();
+  const double fraction = share_of_transmittance(stretch);
+  points.by_angle = (1 - fraction) * count;
+  for (int k = 0; k < stretch.kinds(); ++k) points.of_kind[k] = fraction * count / stretch.kinds();
   return points;
 }
 
@@ -189,10 +189,10 @@ class LitStretch {
 
 }  // namespace
 
-glm::dvec3 Integrator::fog_before(glm::dvec3 origin, glm::dvec3 direction, Span span, double share, uint32_t layer,
+glm::dvec3 Integrator::fog_before(glm::dvec3 origin, glm::dvec3 direction, Span span, double fraction, uint32_t layer,
                                   SampleStream& stream, PixelSample& out) const {
   if (world_.media().empty()) return glm::dvec3(1);
-  const glm::dvec3 light = share * fog_light(origin, direction, span, layer, stream);
+  const glm::dvec3 light = fraction * fog_light(origin, direction, span, layer, stream);
   out.radiance += light;
   out.fog_light += light;
   return world_.through_fog(origin, direction, span.end_m);
@@ -331,7 +331,7 @@ glm::dvec3 Integrator::fog_light_of(size_t which, glm::dvec3 origin, glm::dvec3 
       const Points points = mean_points_on(lit.stretch(), chosen[i].expected);
       for (const uint32_t same = chosen[i].light; i < chosen.size() && chosen[i].light == same; ++i) {
         if (lit.empty()) continue;
-        // The ways lie beside each other in the light's share.
+        // The ways lie beside each other in the light's fraction.
         double u = chosen[i].u * chosen[i].expected;
         int way = -1;
         double own = points.by_angle;

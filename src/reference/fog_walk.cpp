@@ -271,8 +271,8 @@ glm::dvec3 Integrator::fog_event(glm::dvec3 position, glm::dvec3 direction, doub
   if (world_.sky() && settings_.strategy != Strategy::brdf)
     if (const Sky::Choice choice = world_.sky().sample(for_sky); choice.pdf > 0) {
       const double p = phase(choice.direction);
-      const double share = p * weight(choice.pdf, p, Strategy::light) / choice.pdf;
-      sum += arrives({world_.sky().radiance(choice.direction) * share, choice.direction, endless, {}});
+      const double fraction = p * weight(choice.pdf, p, Strategy::light) / choice.pdf;
+      sum += arrives({world_.sky().radiance(choice.direction) * fraction, choice.direction, endless, {}});
     }
   const size_t points = world_.tree_punctual().size();
   const auto make = [&](const LightTree::Choice& choice, size_t number, bool is_lamp) -> Offer {

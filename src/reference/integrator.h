@@ -177,7 +177,7 @@ class Integrator {
                         TermSample* terms, const Departure* from) const;
   // fog_march.cpp: direct's single scattering. fog_before adds the light of a span of the camera ray, of which surfaces
   // in front leave `share`, and returns the transmittance from the camera to the span's end.
-  glm::dvec3 fog_before(glm::dvec3 origin, glm::dvec3 direction, Span span, double share, uint32_t layer,
+  glm::dvec3 fog_before(glm::dvec3 origin, glm::dvec3 direction, Span span, double fraction, uint32_t layer,
                         SampleStream& stream, PixelSample& out) const;
   glm::dvec3 fog_light(glm::dvec3 origin, glm::dvec3 direction, Span span, uint32_t layer, SampleStream& stream) const;
   // Of one of the media, behind what the others take away.

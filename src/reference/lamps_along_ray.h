@@ -57,7 +57,7 @@ class LampsAlongRay {
   double of_lamp(const PunctualLight& light) const;
   Cluster cluster(int node) const;
   void take_apart(size_t most, std::vector<Cluster>& clusters) const;
-  // Of the points that fall to a node, whose share begins at `begin` and is `width` wide in the count of points.
+  // Of the points that fall to a node, whose fraction begins at `begin` and is `width` wide in the count of points.
   struct Part {
     const double* place;
     size_t count;

@@ -91,7 +91,7 @@ double LightTree::importance(const Node& node, glm::dvec3 point, glm::dvec3 norm
   sent = cos_less(sent, sin_of(sent), node.cos_o, node.sin_o);
   sent = cos_less(sent, sin_of(sent), cos_spread, sin_spread);
   if (sent < node.cos_e - 1e-9) return 0;
-  // A spot's light does not fall with the cosine, so that its edge must keep some share.
+  // A spot's light does not fall with the cosine, so that its edge must keep some fraction.
   return e.power * std::max(received, 1e-3) * std::max(sent, 1e-3) / held2;
 }
 
@@ -187,14 +187,14 @@ void LightTree::choose(glm::dvec3 point, glm::dvec3 normal, double u, bool split
         node = nullptr;
         break;
       }
-      const double share = a / (a + b);
-      if (own < share || b <= 0) {
-        own = std::min(own / share, 1 - 0x1p-53);
-        probability *= share;
+      const double fraction = a / (a + b);
+      if (own < fraction || b <= 0) {
+        own = std::min(own / fraction, 1 - 0x1p-53);
+        probability *= fraction;
         node = &left;
       } else {
-        own = std::min((own - share) / (1 - share), 1 - 0x1p-53);
-        probability *= 1 - share;
+        own = std::min((own - fraction) / (1 - fraction), 1 - 0x1p-53);
+        probability *= 1 - fraction;
         node = &right;
       }
     }
@@ -238,8 +238,8 @@ double LightTree::probability(uint32_t light, glm::dvec3 point, glm::dvec3 norma
     const double a = importance(nodes_[size_t(node.left)], point, normal);
     const double b = importance(nodes_[size_t(node.right)], point, normal);
     if (!(a + b > 0)) return 0;
-    const double share = a / (a + b);
-    probability *= path[i - 1] == node.left ? share : 1 - share;
+    const double fraction = a / (a + b);
+    probability *= path[i - 1] == node.left ? fraction : 1 - fraction;
   }
   return probability;
 }

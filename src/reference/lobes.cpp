@@ -168,16 +168,16 @@ glm::dvec3 diffuse_color(const Surface& s, bool in_front) {
 double share_under_coat(const Lobes& lobes, glm::dvec3 v) { return 1 - coat_share(lobes, v); }
 
 double share_under(const Surface& s, glm::dvec3 l, glm::dvec3 v) {
-  const double share = share_under_coat(*s.lobes, v);
-  if (!has_sheen(*s.lobes)) return share;
+  const double fraction = share_under_coat(*s.lobes, v);
+  if (!has_sheen(*s.lobes)) return fraction;
   const double to_viewer = sheen_share(*s.lobes, glm::dot(s.normal, v)),
                to_light = sheen_share(*s.lobes, glm::dot(s.normal, l));
-  return share * (1 - std::max(to_viewer, to_light));
+  return fraction * (1 - std::max(to_viewer, to_light));
 }
 
 double share_under(const Surface& s, glm::dvec3 v) {
-  const double share = share_under_coat(*s.lobes, v);
-  return has_sheen(*s.lobes) ? share * (1 - sheen_share(*s.lobes, glm::dot(s.normal, v))) : share;
+  const double fraction = share_under_coat(*s.lobes, v);
+  return has_sheen(*s.lobes) ? fraction * (1 - sheen_share(*s.lobes, glm::dot(s.normal, v))) : fraction;
 }
 
 glm::dvec3 evaluate_layers(const Surface& s, glm::dvec3 l, glm::dvec3 v) {

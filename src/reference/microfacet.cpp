@@ -56,8 +56,8 @@ glm::dvec3 visible_normal(const StretchedFacets& f, glm::dvec3 v, glm::dvec2 u) 
   const glm::dvec3 t1 =
       across2 > 0 ? glm::dvec3(-stretched.y, stretched.x, 0) / std::sqrt(across2) : glm::dvec3(1, 0, 0);
   const glm::dvec3 t2 = glm::cross(stretched, t1);
-  const double r = std::sqrt(u.x), phi = 2 * pi * u.y, p1 = r * std::cos(phi), share = 0.5 * (1 + stretched.z);
-  const double p2 = (1 - share) * std::sqrt(std::max(1 - p1 * p1, 0.0)) + share * r * std::sin(phi);
+  const double r = std::sqrt(u.x), phi = 2 * pi * u.y, p1 = r * std::cos(phi), fraction = 0.5 * (1 + stretched.z);
+  const double p2 = (1 - fraction) * std::sqrt(std::max(1 - p1 * p1, 0.0)) + fraction * r * std::sin(phi);
   const glm::dvec3 on_sphere = p1 * t1 + p2 * t2 + std::sqrt(std::max(1 - p1 * p1 - p2 * p2, 0.0)) * stretched;
   const glm::dvec3 m =
       glm::normalize(glm::dvec3(f.alpha.x * on_sphere.x, f.alpha.y * on_sphere.y, std::max(on_sphere.z, 0.0)));

@@ -90,13 +90,13 @@ void Integrator::meet_lamps(const Departure& from, const Departure& came, glm::d
 bool Integrator::OneOf::consider(const Offer& other, double weight, double& u) {
   if (!(weight > 0)) return false;
   total_ += weight;
-  const double share = weight / total_;
-  if (u < share) {
+  const double fraction = weight / total_;
+  if (u < fraction) {
     offer = other, weight_ = weight;
-    u = std::min(u / share, 1 - 0x1p-53);
+    u = std::min(u / fraction, 1 - 0x1p-53);
     return true;
   }
-  u = std::min((u - share) / (1 - share), 1 - 0x1p-53);
+  u = std::min((u - fraction) / (1 - fraction), 1 - 0x1p-53);
   return false;
 }
 
@@ -190,7 +190,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, const std::optional
   // Surfaces, among them those that the ray goes straight through, spans of fog, and those of bodies that scatter.
   uint32_t shaded = 0, fogged = 0, walked = 0;
   GlassWay way;
-  double compressed = 1;     // what refraction has made of radiance alone, not of its share
+  double compressed = 1;     // what refraction has made of radiance alone, not of its fraction
   double clear_m = 0;        // fog up to here is behind the ray already
   double lamps_m = 0;        // and lamps with a radius
   glm::dvec3 seen(1);        // what fog leaves of what the camera sees

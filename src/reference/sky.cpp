@@ -130,8 +130,8 @@ glm::dvec3 Sky::radiance(glm::dvec3 d) const {
 glm::dvec3 Sky::gradient_at(double sine) const {
   if (!gradient_) return glm::dvec3(0);
   const SkyGradient& g = *gradient_;
-  const double share = std::pow(std::min(std::abs(sine), 1.0), g.exponent);
-  return gradient_weight_ * glm::mix(g.horizon, sine > 0 ? g.zenith : g.ground, share);
+  const double fraction = std::pow(std::min(std::abs(sine), 1.0), g.exponent);
+  return gradient_weight_ * glm::mix(g.horizon, sine > 0 ? g.zenith : g.ground, fraction);
 }
 
 glm::dvec3 Sky::blurred(glm::dvec3 d, double deviation_rad) const {

@@ -36,7 +36,7 @@ Term direct_term(LightType type);
 // One sample of one pixel, or the light of one surface.
 struct TermSample {
   std::array<glm::dvec3, term_count> light{};
-  // Of the directional lights' light on what the pixel shows, weighed by the cosine, the share that nothing blocks; 1
+  // Of the directional lights' light on what the pixel shows, weighed by the cosine, the fraction that nothing blocks; 1
   // where none of them faces the surface, and on what takes no light.
   double shadow = 1;
   // The same of point and spot lights, only where it is wanted: it takes a ray for each of them.
@@ -48,8 +48,8 @@ struct TermSample {
 
   glm::dvec3& operator[](Term term) { return light[size_t(term)]; }
   const glm::dvec3& operator[](Term term) const { return light[size_t(term)]; }
-  void add(const TermSample& surface, glm::dvec3 share) {
-    for (size_t t = 0; t < term_count; ++t) light[t] += share * surface.light[t];
+  void add(const TermSample& surface, glm::dvec3 fraction) {
+    for (size_t t = 0; t < term_count; ++t) light[t] += fraction * surface.light[t];
   }
   void add_ambient(glm::dvec3 diffuse, glm::dvec3 all) {
     (*this)[Term::ambient_diffuse] += diffuse;

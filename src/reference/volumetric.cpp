@@ -38,8 +38,8 @@ glm::dvec3 Integrator::volumetric_light(glm::dvec3 origin, glm::dvec3 direction,
     const glm::dvec3 position = origin + direction * at;
     const Arrival a = arriving(light, position, own_place(on_disc, place++));
     if (a.illuminance == glm::dvec3(0)) return;
-    const double share = glm::distance(position, light.position) / light.range_m,
-                 fourth = share * share * share * share;
+    const double fraction = glm::distance(position, light.position) / light.range_m,
+                 fourth = fraction * fraction * fraction * fraction;
     const double scattered = look.by_attenuation ? std::max(1 - fourth, 0.0) : tau;
     const double factor = look.phi * scattered * henyey_greenstein(glm::dot(a.l, direction), look.anisotropy) *
                           std::exp(-tau * (at + a.distance_m)) / density;

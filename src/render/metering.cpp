@@ -18,8 +18,8 @@ void add_luminances(const reference::Film& film, std::vector<double>& out) {
   }
 }
 
-double below(std::vector<double>& values, double share) {
-  const size_t at = std::min(values.size() - 1, size_t(share * double(values.size())));
+double below(std::vector<double>& values, double fraction) {
+  const size_t at = std::min(values.size() - 1, size_t(fraction * double(values.size())));
   std::nth_element(values.begin(), values.begin() + long(at), values.end());
   return values[at];
 }

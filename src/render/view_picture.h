@@ -11,7 +11,7 @@ namespace candela {
 //
 // A layer, by what its values are: counts and distances in a perceptual colour map with a scale (near is bright, black
 // is nothing), directions from -1 to 1 as codes from 0 to 255, colours sRGB-encoded, shares as grey (code = 255 times
-// the share), ids in a colour each, mattes in
+// the fraction), ids in a colour each, mattes in
 // those of their two largest ids by coverage, motion as red and green from 0 to 1 about 0.5 with the farthest at the
 // ends. `layer`: its channels alone; `name`: the layer's.
 DisplayImage layer_view(const FloatImage& layer, LayerForm form, const std::string& name);

@@ -35,7 +35,7 @@ std::string scaling_html(const std::vector<Scaling>& all, Figures& figures) {
   html +=
       add(plot_of(all, "Lights in the list of a pixel", "lights, mean over the picture", &Scaling::lights_per_pixel));
   LinePlot waste =
-      plot_of(all, "Listed lights that contribute nothing", "share of all that are listed", &Scaling::waste_share);
+      plot_of(all, "Listed lights that contribute nothing", "share of all that are listed", &Scaling::waste_fraction);
   waste.log_y = false;
   html += add(waste);
   return html + add(plot_of(all, "Memory of the device at its peak", "MiB", &Scaling::memory_mib));

@@ -95,7 +95,7 @@ Json row_json(const BenchRow& row) {
     j["light_lists"] = {{"mean", row.lists->mean},
                         {"p95", row.lists->p95},
                         {"max", row.lists->max},
-                        {"waste_share", row.lists->waste_share},
+                        {"waste_share", row.lists->waste_fraction},
                         {"missed", row.lists->missed}};
   if (!row.lists_note.empty()) j["light_lists_note"] = row.lists_note;
   return j;
@@ -358,7 +358,7 @@ std::string bench_csv(const BenchRun& run) {
     cells.push_back(compared ? number(row.picture.differing) : "");
     cells.push_back(compared ? number(row.picture.max_difference) : "");
     const LightLists lists = row.lists.value_or(LightLists{});
-    for (const double value : {lists.mean, lists.p95, lists.max, lists.waste_share, lists.missed})
+    for (const double value : {lists.mean, lists.p95, lists.max, lists.waste_fraction, lists.missed})
       cells.push_back(row.lists ? number(value) : "");
     cells.push_back(row.left_out);
     cells.push_back(row.error);

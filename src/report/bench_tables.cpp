@@ -49,7 +49,7 @@ void add_lists(Row& cells, const BenchRow& row) {
   cells.push_back({fmt::format("{:.1f}", lists.mean)});
   cells.push_back({fmt::format("{:.0f}", lists.p95)});
   cells.push_back({fmt::format("{:.0f}", lists.max)});
-  cells.push_back({fmt::format("{:.1f} %", lists.waste_share * 100)});
+  cells.push_back({fmt::format("{:.1f} %", lists.waste_fraction * 100)});
   cells.push_back({fmt::format("{:.0f}", lists.missed), lists.missed > 0 ? Cell::Kind::bad : Cell::Kind::number});
 }
 

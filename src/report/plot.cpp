@@ -220,7 +220,7 @@ BarPlot shares(BarPlot plot) {
 
 namespace {
 
-// Parts by the largest share that they have of any bar, as many as there are colours; the rest is one.
+// Parts by the largest fraction that they have of any bar, as many as there are colours; the rest is one.
 std::vector<std::string> main_parts(const BarPlot& plot) {
   std::vector<std::pair<std::string, double>> shares;
   for (const auto& bar : plot.bars) {
@@ -232,7 +232,7 @@ std::vector<std::string> main_parts(const BarPlot& plot) {
     }
   }
   std::vector<std::string> order, names;
-  for (const auto& [name, share] : shares) order.push_back(name);
+  for (const auto& [name, fraction] : shares) order.push_back(name);
   if (shares.size() > plot_colors) {
     std::stable_sort(shares.begin(), shares.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
     shares.resize(plot_colors);
@@ -297,8 +297,8 @@ std::string plot_script(const BarPlot& plot) {
     canvas.text(canvas.left() - 10, canvas.y_of(y), shortened(bar.label, most_letters), "right");
     if (!(bar.total > 0)) continue;
     const std::vector<double> ends = ends_of(bar, names);
-    const auto along = [&](double share) {
-      return log ? x.low * std::pow(bar.total / x.low, share) : bar.total * share;
+    const auto along = [&](double fraction) {
+      return log ? x.low * std::pow(bar.total / x.low, fraction) : bar.total * fraction;
     };
     for (size_t i = 0; i < boxes.size(); ++i)
       if (ends[i + 1] > ends[i])

@@ -142,7 +142,7 @@ Air::Scattered Air::follow(glm::dvec3 from, glm::dvec3 direction, glm::dvec3 to_
   double before = 0;
   for (int i = 0; i < steps; ++i) {
     // Close by, where the air is dense, steps are short.
-    const double share = double(i + 1) / steps, until = end * share * share, length = until - before;
+    const double fraction = double(i + 1) / steps, until = end * fraction * fraction, length = until - before;
     const glm::dvec3 at = from + (0.5 * (before + until)) * direction;
     before = until;
     const double r = std::max(glm::length(at), ground_m), sun_sine = glm::dot(at, to_sun) / r;
@@ -167,7 +167,7 @@ Air::Scattered Air::follow(glm::dvec3 from, glm::dvec3 direction, glm::dvec3 to_
   return out;
 }
 
-// Light that was scattered once comes from all sides alike, and each further order is the same share of the one before.
+// Light that was scattered once comes from all sides alike, and each further order is the same fraction of the one before.
 void Air::make_higher_orders() {
   higher_.resize(size_t(h_columns) * h_rows);
   tbb::parallel_for(0, h_rows, [&](int row) {

@@ -27,7 +27,7 @@ class Air {
  private:
   struct Medium;
   struct Scattered {
-    glm::dvec3 light{0}, through{1}, isotropic{0};  // isotropic: the share that meets air at all, for higher orders
+    glm::dvec3 light{0}, through{1}, isotropic{0};  // isotropic: the fraction that meets air at all, for higher orders
   };
   Medium medium(double height_m) const;
   glm::dvec3 sun_at(double radius_m, double sine) const;

@@ -20,8 +20,8 @@ DecodedImage gradient_image(int band, double exponent, int width, int height) {
     double sum = 0;
     for (int i = 0; i < parts; ++i)
       sum += gradient_share(band, exponent, std::cos(std::numbers::pi * (y + (i + 0.5) / parts) / height));
-    const float share = float(sum / parts);
-    const glm::vec4 texel(share, share, share, 1);
+    const float fraction = float(sum / parts);
+    const glm::vec4 texel(fraction, fraction, fraction, 1);
     for (int x = 0; x < width; ++x)
       std::memcpy(image.pixels.data() + (size_t(y) * size_t(width) + size_t(x)) * 16, &texel, 16);
   }

@@ -26,8 +26,8 @@ std::vector<uint32_t> spatial_order(std::span<const glm::vec3> places) {
   const double side = std::max({sides.x, sides.y, sides.z, 1e-30});
   std::vector<std::pair<uint32_t, uint32_t>> on_curve(places.size());  // code, index
   for (uint32_t i = 0; i < on_curve.size(); ++i) {
-    const glm::dvec3 share = (glm::dvec3(places[i]) - glm::dvec3(box.min)) / side;
-    on_curve[i] = {morton(glm::uvec3(glm::clamp(share, 0.0, 1.0) * 1023.0)), i};
+    const glm::dvec3 fraction = (glm::dvec3(places[i]) - glm::dvec3(box.min)) / side;
+    on_curve[i] = {morton(glm::uvec3(glm::clamp(fraction, 0.0, 1.0) * 1023.0)), i};
   }
   tbb::parallel_sort(on_curve);
   std::vector<uint32_t> order;

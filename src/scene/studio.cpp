@@ -91,7 +91,7 @@ DecodedImage studio_image(int width, int height) {
     double weights = 0;
     for (int j = 0; j < parts; ++j) {
       const glm::dvec3 up = equirect_direction(0.5, (y + (j + 0.5) / parts) / height);
-      const double across = std::hypot(up.x, up.z);  // the sine of the polar angle is the row's share, too
+      const double across = std::hypot(up.x, up.z);  // the sine of the polar angle is the row's fraction, too
       weights += parts * across;
       for (int x = 0; x < width * parts; ++x) {
         const glm::dvec3& turn = turns[size_t(x)];

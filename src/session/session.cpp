@@ -69,8 +69,6 @@ class DeviceSession : public Session {
   KeptImages kept_images(const PlannedFrame& planned);
   // The error with where the frame left what shows why it did not end in time (session/timeout_report.h).
   Error failed(const gpu::GpuError& error, const FramePlan& plan) const;
-  Timings::Overlap measure_overlap(const CompiledGraph& graph, const std::map<int, const gpu::Buffer*>& imports,
-                                   const KeptImages& kept);
   void take_run(gpu::FrameRun run, Begun& begun);
 
   Job asked_, job_;  // as it was given; with what was left to us chosen
@@ -336,7 +334,7 @@ Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun&
   }
   if (settings_.overlap) {
     const StageTimer timer(t, "overlap");
-    t.overlap = measure_overlap(planned.graph, uploaded.imports, kept);
+    t.overlap = measure_overlap(*runner_, *device_, planned.graph, uploaded.imports, kept.by_resource);
   }
   const double submit_start = process_clock_us();
   const FrameTicket ticket = runner_->submit(
@@ -362,21 +360,6 @@ Error DeviceSession::failed(const gpu::GpuError& error, const FramePlan& plan) c
   result.message += folder ? fmt::format("; {} holds command, job, versions, plan and log", folder->string())
                            : fmt::format("; what shows why could not be kept: {}", folder.error().text());
   return result;
-}
-
-Timings::Overlap DeviceSession::measure_overlap(const CompiledGraph& graph,
-                                                const std::map<int, const gpu::Buffer*>& imports,
-                                                const KeptImages& kept) {
-  constexpr int runs = 15;
-  std::vector<double> all, one;
-  for (int i = 0; i <= runs; ++i)  // the first of each warms up
-    for (const bool one_queue : {false, true}) {
-      const double ms =
-          runner_->run(graph, imports, {.whole = true, .one_queue = one_queue, .images = kept.by_resource}).whole_ms;
-      if (i > 0) (one_queue ? one : all).push_back(ms);
-    }
-  return {device_->has_second_queue() ? 2 : 1, std::max(1, int(graph.plan.batches.size())), runs, median(all),
-          median(one)};
 }
 
 Expected<FrameResult> DeviceSession::finish(FrameTicket ticket) {
@@ -450,27 +433,6 @@ Expected<FrameResult> Session::render(double time_s, bool hash_outputs) {
   const auto ticket = begin(time_s, hash_outputs);
   if (!ticket) return std::unexpected(ticket.error());
   return finish(*ticket);
-}
-
-namespace {
-
-template <class T>
-std::string_view bytes_of(const std::vector<T>& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
-}
-
-}  // namespace
-
-FrameWork work_of(const PlannedFrame& f) {
-  FrameWork result;
-  std::string work = plan_hash(f.graph.plan).hex();
-  work += std::string_view(reinterpret_cast<const char*>(&f.upload.constants), sizeof f.upload.constants);
-  for (const std::string_view bytes : {bytes_of(f.upload.lights), bytes_of(f.light_grid.bounds),
-                                       bytes_of(f.light_grid.chunks), bytes_of(f.light_grid.globals)})
-    work += fmt::format("{} ", bytes.size()), work += bytes;
-  result.hash = hash128(work);
-  for (const PlanPass& pass : f.graph.plan.passes) result.passes.emplace(pass.pass());
-  return result;
 }
 
 Expected<std::unique_ptr<Session>> Session::open(const Job& job, const WantedOutputs& wanted,

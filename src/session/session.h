@@ -21,7 +21,7 @@ struct FrameRays;
 struct PlannedFrame;
 
 // CPU milliseconds of one frame or of the start, by stage name: load, decode, upload, those of planning (animate,
-// light_grid, sun_shadows, fog, lamp_shadows, trees, plan), compile (beside decode, upload and allocate), allocate,
+// light_grid, sun_shadows, fog, local_shadows, trees, plan), compile (beside decode, upload and allocate), allocate,
 // warm_up (when timed), record, wait, read_back, encode. GPU milliseconds by pass when timed.
 struct Timings {
   std::vector<std::pair<std::string, double>> cpu_ms;

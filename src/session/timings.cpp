@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "base/json.h"
+#include "base/statistics.h"
 
 namespace candela {
 namespace {
@@ -72,8 +73,8 @@ Json memory_json(const Session& session, const FramePlan& plan) {
 Json cpu_json(const Timings& opening, const Timings& frame) {
   // Always all stages, so that a reader need not ask which are there.
   Json cpu = Json::object();
-  for (const char* stage : {"load", "decode", "upload", "animate", "light_grid", "sun_shadows", "lamp_shadows", "trees",
-                            "plan", "compile", "allocate", "record", "wait", "read_back", "encode"})
+  for (const char* stage : {"load", "decode", "upload", "animate", "light_grid", "sun_shadows", "local_shadows",
+                            "trees", "plan", "compile", "allocate", "record", "wait", "read_back", "encode"})
     cpu[stage] = 0.0;
   for (const Timings* timings : {&opening, &frame})
     for (const auto& [stage, milliseconds] : timings->cpu_ms) cpu[stage] = cpu.value(stage, 0.0) + milliseconds;
@@ -133,6 +134,20 @@ std::string trace_json(std::span<const Timings::Span> spans) {
                       {"tid", lane - lanes.begin() + 1}});
   }
   return Json({{"traceEvents", events}, {"displayTimeUnit", "ms"}}).dump(1, ' ', false, Json::error_handler_t::replace);
+}
+
+Timings::Overlap measure_overlap(gpu::FrameRunner& runner, const gpu::Device& device, const CompiledGraph& graph,
+                                 const std::map<int, const gpu::Buffer*>& imports,
+                                 const std::map<int, const gpu::KeptImage*>& images) {
+  constexpr int runs = 15;
+  std::vector<double> all, one;
+  for (int i = 0; i <= runs; ++i)  // the first of each warms up
+    for (const bool one_queue : {false, true}) {
+      const double ms = runner.run(graph, imports, {.whole = true, .one_queue = one_queue, .images = images}).whole_ms;
+      if (i > 0) (one_queue ? one : all).push_back(ms);
+    }
+  return {device.has_second_queue() ? 2 : 1, std::max(1, int(graph.plan.batches.size())), runs, median(all),
+          median(one)};
 }
 
 }  // namespace candela

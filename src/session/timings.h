@@ -34,4 +34,9 @@ class StageTimer {
   double start_us_;
 };
 
+// The frame as a whole with its passes on both queues and on one: medians of interleaved runs.
+Timings::Overlap measure_overlap(gpu::FrameRunner& runner, const gpu::Device& device, const CompiledGraph& graph,
+                                 const std::map<int, const gpu::Buffer*>& imports,
+                                 const std::map<int, const gpu::KeptImage*>& images);
+
 }  // namespace candela

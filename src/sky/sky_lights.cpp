@@ -15,7 +15,7 @@ namespace {
 // spots whose reflections maps blur across the horizon of the surface.
 constexpr double times_mean = 8;
 constexpr double wide_rad = 0.02, too_wide_rad = 0.04;  // root mean squares of the angle from the middle
-constexpr double least_share = 1e-4;                    // of the sky's light
+constexpr double least_fraction = 1e-4;                 // of the sky's light
 
 // One texel above the threshold.
 struct Bright {
@@ -127,7 +127,7 @@ SkyParts take_lights(const SkyLevel& sky, int most) {
   if (!std::isfinite(threshold)) return parts;
   std::vector<Spot> spots = bright_spots(sky, threshold);
   const double all = threshold / times_mean * 4 * std::numbers::pi;
-  std::erase_if(spots, [&](const Spot& s) { return s.weight < least_share * all; });
+  std::erase_if(spots, [&](const Spot& s) { return s.weight < least_fraction * all; });
   if (spots.size() > size_t(most)) spots.resize(size_t(most));
   // The widest, weighed by their light, are cut first.
   while (spots.size() < size_t(most)) {

@@ -35,7 +35,7 @@ struct StabilityScene {
   double bound = 1e-3;         // relative error that a pixel may have against the reference
   double plain_bound = 1e-5;   // and against the plain scene
   double energy_bound = 1e-3;  // relative error of the sum over all pixels
-  double stray_share = 0;      // pixels that may lie beyond the bound: edges, where a point is in or out by rounding
+  double stray_fraction = 0;   // pixels that may lie beyond the bound: edges, where a point is in or out by rounding
   bool refused = false;        // no picture but an error that says why
   bool warns = false;          // a line of warning is owed to the user
   bool clamps = false;         // values beyond half: the count must not be 0

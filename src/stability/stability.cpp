@@ -19,6 +19,7 @@
 #include "render/reference_frame.h"
 #include "stability/fog_picture.h"
 #include "stability/measure.h"
+#include "stability/scene_files.h"
 
 namespace candela {
 namespace fs = std::filesystem;
@@ -33,18 +34,6 @@ struct Shot {
   LayerCounts layers;
 };
 
-// The upper bytes of what has 16 bits.
-DisplayImage eight_bits(const DisplayImage& image) {
-  if (image.bits == 8) return image;
-  DisplayImage small{image.width, image.height, image.channels, 8, {}};
-  for (size_t i = 0; i + 1 < image.pixels.size(); i += 2) {
-    uint16_t value = 0;
-    std::memcpy(&value, &image.pixels[i], sizeof value);
-    small.pixels.push_back(std::byte(value >> 8));
-  }
-  return small;
-}
-
 class StabilityRun {
  public:
   StabilityRun(const StabilityOptions& options, const RunSettings& settings, const std::function<bool()>& stop)
@@ -57,7 +46,6 @@ class StabilityRun {
   bool wanted(const StabilityRecipe& recipe) const;
   Expected<void> check_scene(const StabilityRecipe& recipe);
   Expected<void> check_fog(const StabilityRecipe& recipe, const StabilityScene& scene, Job job);
-  Expected<void> write_files(const StabilityScene& scene);
   Expected<Shot> shot(Job job, double time_s, bool display, const std::string& effects);
   void check_effects(const StabilityScene& scene, const Job& job, const Shot* bare, StabilityRow& row);
   void check_defaults(const StabilityScene& scene, Job job, std::optional<Beauty>& first, StabilityRow& row);
@@ -92,26 +80,6 @@ bool StabilityRun::wanted(const StabilityRecipe& recipe) const {
   return options_.only.empty() || std::any_of(options_.only.begin(), options_.only.end(), [&](const std::string& part) {
            return name.find(part) != std::string::npos;
          });
-}
-
-Expected<void> StabilityRun::write_files(const StabilityScene& scene) {
-  std::error_code ignored;
-  fs::create_directories(store_.folder(), ignored);
-  const auto write = [&](const char* name, const std::vector<std::byte>& bytes) -> Expected<void> {
-    return bytes.empty() ? Expected<void>() : write_file_atomically(path(name), std::span<const std::byte>(bytes));
-  };
-  if (auto done = write("scene.glb", scene.file); !done) return done;
-  if (auto done = write("plain.glb", scene.plain); !done) return done;
-  if (scene.sky)
-    if (auto done = write_exr(path("sky.exr"), *scene.sky, ExrCompression::zip); !done) return done;
-  if (scene.plain_sky)
-    if (auto done = write_exr(path("plain-sky.exr"), *scene.plain_sky, ExrCompression::zip); !done) return done;
-  if (scene.second_sky)
-    if (auto done = write_exr(path("second.exr"), *scene.second_sky, ExrCompression::zip); !done) return done;
-  if (!scene.sky_look.empty())
-    if (auto done = write_file_atomically(path("look.json"), std::as_bytes(std::span(scene.sky_look))); !done)
-      return done;
-  return {};
 }
 
 Expected<Shot> StabilityRun::shot(Job job, double time_s, bool display, const std::string& effects) {
@@ -164,7 +132,7 @@ void StabilityRun::measure(const StabilityScene& scene, const Shot& shot, const 
   if (counts.nonfinite > 0)
     row.faults.push_back(
         fmt::format("{} pixels are not finite, the first at {}, {}", counts.nonfinite, counts.first_x, counts.first_y));
-  row.may_be_beyond = uint64_t(std::ceil(scene.stray_share * double(row.pixels)));
+  row.may_be_beyond = uint64_t(std::ceil(scene.stray_fraction * double(row.pixels)));
   row.bound = scene.bound, row.plain_bound = scene.plain_bound, row.energy_bound = scene.energy_bound;
   const auto against = [&](const TruePicture& truth, const char* name, double bound, double& largest) {
     const TruthError e = picture_error(shot.beauty, shot.pre_exposure, truth, bound);
@@ -325,7 +293,7 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
   const Hash128 name = hash128(recipe.family + "/" + recipe.name);
   StabilityInput input{Rng(options_.seed ^ std::stoull(name.hex().substr(0, 16), nullptr, 16)), options_.large};
   const StabilityScene scene = recipe.make(input);
-  if (auto written = write_files(scene); !written) return written;
+  if (auto written = write_scene_files(scene, store_.folder()); !written) return written;
   StabilityRow empty;
   empty.family = recipe.family, empty.scene = recipe.name, empty.what = recipe.what;
 

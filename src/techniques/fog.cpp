@@ -28,7 +28,7 @@ FogView fog_view(Frame& frame, const SceneInputs& scene, const Surfaces& surface
   // Without lamps nothing in a slice is steep.
   const bool lamps = frame.facts.point_lights + frame.facts.spot_lights > 0;
   fog.last = knobs.last == FogKnobs::near_lamps && !lamps ? 0 : knobs.last;
-  fog.lamp_points = knobs.lamp_shadows;
+  fog.lamp_points = knobs.local_shadows;
   // What several media emit is summed with what they scatter.
   const bool sums_light =
       (fog_scatters(look) && (frame.facts.lights() > 0 || ambient)) || (fog.media > 0 && fog_glows(look));

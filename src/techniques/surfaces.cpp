@@ -17,7 +17,7 @@
 #include "passes/occlusion/occlusion_layer.h"
 #include "passes/post/supersample.h"
 #include "passes/reflections/reflections.h"
-#include "passes/shadows/lamp_layers.h"
+#include "passes/shadows/local_layers.h"
 #include "passes/shadows/sun_layers.h"
 #include "passes/shared/draw_batches.h"
 #include "passes/shared/frame_request.h"
@@ -174,7 +174,7 @@ void describe(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, 
   Lighting shadows = lighting.unoccluded();
   shadows.voxels = lighting.voxels;
   frame.add(SunLayers{}, {scene, surfaces.draws, surfaces.deformed, shadows});
-  frame.add(LampLayers{}, {scene, surfaces.draws, surfaces.deformed, shadows});
+  frame.add(LocalLayers{}, {scene, surfaces.draws, surfaces.deformed, shadows});
   frame.add(OcclusionLayer{}, {scene, surfaces.draws, surfaces.deformed, occlusion, lighting.rays});
   frame.add(MotionLayer{}, {scene, surfaces.draws, surfaces.deformed, deformed_before(frame, scene, surfaces)});
   frame.add(LightHeat{}, {scene, surfaces.draws, surfaces.deformed, lighting.unoccluded()});

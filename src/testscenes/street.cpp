@@ -270,10 +270,10 @@ void make_street_dense(GlbWriter& out, SceneOptions& options) {
   int placed = 0;
   for (int i = 0; i < cells; ++i) {
     // As even as whole numbers are.
-    const int share =
+    const int fraction =
         int(std::min<int64_t>(int64_t(lights) * (i + 1) / cells - int64_t(lights) * i / cells, lights_a_cell));
-    city.add(all[size_t(i)], share);
-    placed += share;
+    city.add(all[size_t(i)], fraction);
+    placed += fraction;
   }
   city.scatter(all, lights - placed);
   city.write();

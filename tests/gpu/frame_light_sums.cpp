@@ -115,7 +115,7 @@ TEST_F(FrameLightSums, AmbientReflectionsComeFromTheMirroredDirection) {
   // normal (sin a, 0, cos a), the direction (2 n.v n - v).y = -0.8.
   EXPECT_NEAR(level.x, level.z, 1e-6);
   const double below = 0.45 - 0.8 / 6, horizon = 0.45;
-  EXPECT_LT(steep.x / level.x, 1.1 * below / horizon) << "the share reflected grows little at this angle";
+  EXPECT_LT(steep.x / level.x, 1.1 * below / horizon) << "the fraction reflected grows little at this angle";
 }
 
 }  // namespace candela::test::frame_light_sums

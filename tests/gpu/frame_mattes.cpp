@@ -64,7 +64,7 @@ class FrameMattes : public FrameTest {
   }
   static float sum(const Coverage& pixel) {
     float all = 0;
-    for (const auto& [id, share] : pixel) all += share;
+    for (const auto& [id, fraction] : pixel) all += fraction;
     return all;
   }
 };

@@ -6,9 +6,9 @@ namespace candela::test::frame_occlusion_cull {
 class OcclusionCulling : public FrameTest {
  protected:
   static constexpr WantedOutputs everything{.linear = true, .display = true};
-  static Job culled(Job job, const std::string& mode, double share = 0.01) {
+  static Job culled(Job job, const std::string& mode, double fraction = 0.01) {
     job.settings.push_back({"occlusion_cull", "mode", mode});
-    job.settings.push_back({"occlusion_cull", "first_share", fmt::format("{}", share)});
+    job.settings.push_back({"occlusion_cull", "first_share", fmt::format("{}", fraction)});
     return job;
   }
   // A wall that hides most of what is behind it, over and under which some is seen: opaque, unlit, masked and mirrored
@@ -55,9 +55,9 @@ class OcclusionCulling : public FrameTest {
     return {};
   }
   // The counts of the frame with it.
-  std::vector<int> expect_same(const Job& job, double share, const std::string& what) {
+  std::vector<int> expect_same(const Job& job, double fraction, const std::string& what) {
     const Images without = images_of(culled(job, "off"), everything, 0.7);
-    const auto session = open(culled(job, "on", share), everything);
+    const auto session = open(culled(job, "on", fraction), everything);
     if (!session) return {0, 0, 0, 0};
     const FrameResult result = render(*session, 0.7);
     const Images with = images(result);

@@ -44,13 +44,13 @@ class Visibility : public FrameTest {
     return std::accumulate(pixels.begin(), pixels.end(), 0.0) / double(pixels.size());
   }
   // Pixels that differ by more than a fraction of their value.
-  static int differing(const Image& a, const Image& b, double share) {
+  static int differing(const Image& a, const Image& b, double fraction) {
     int count = 0;
     for (int y = 0; y < a.height; ++y)
       for (int x = 0; x < a.width; ++x) {
         const glm::dvec4 p(a.at<glm::vec4>(x, y)), q(b.at<glm::vec4>(x, y));
         for (int c = 0; c < 4; ++c)
-          if (!(std::abs(p[c] - q[c]) <= share * (std::abs(q[c]) + 0.01))) {
+          if (!(std::abs(p[c] - q[c]) <= fraction * (std::abs(q[c]) + 0.01))) {
             ++count;
             break;
           }

@@ -86,7 +86,7 @@ TEST_F(LightBoundsTest, NeverMissesAndWastesLittle) {
         }
         ASSERT_GT(needed, 200u);
         if (perspective && ratio == 10) {
-          const auto share = [&](int test) { return double(listed[test]) / double(needed); };
+          const auto fraction = [&](int test) { return double(listed[test]) / double(needed); };
           if (!spots) capsule_points = share(2);
           if (spots)
             aabb_spots = share(0), cone_sphere_spots = share(1), separate_spots = share(2), joint_spots = share(3);

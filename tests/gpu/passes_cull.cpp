@@ -68,7 +68,7 @@ class Culling : public PassTest {
       EXPECT_EQ(result.counts[r], place) << "run " << r;
       first += runs[r];
     }
-    culled_share = double(culled) / double(items.size());
+    culled_fraction = double(culled) / double(items.size());
   }
 
   static shared::FrameConstants frame_of(const glm::dmat4& clip_from_relative) {
@@ -78,7 +78,7 @@ class Culling : public PassTest {
     return frame;
   }
 
-  double culled_share = 0;
+  double culled_fraction = 0;
 };
 
 TEST_F(Culling, EqualsBruteForceInDoubleForEveryGroupFilling) {
@@ -89,8 +89,8 @@ TEST_F(Culling, EqualsBruteForceInDoubleForEveryGroupFilling) {
     for (const auto& frame : {perspective, orthographic}) {
       expect_brute_force(frame, random_items(count, rng), {count});
       if (count == 1000) {
-        EXPECT_GT(culled_share, 0.3);
-        EXPECT_LT(culled_share, 0.95);
+        EXPECT_GT(culled_fraction, 0.3);
+        EXPECT_LT(culled_fraction, 0.95);
       }
     }
 }

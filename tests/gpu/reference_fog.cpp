@@ -184,7 +184,7 @@ TEST_F(ReferenceFog, ShadowsOfLamps) {
             {{"translation", {2.2, 2.5, -4}}, {"rotation", {-0.7071068, 0, 0, 0.7071068}}});
   Job job = in_fog(write(b), R"({"extinction": [0.05, 0.06, 0.07], "anisotropy": 0.3})");
   const auto error = [&](const std::string& grid, const char* points) {
-    job.settings = {{"fog", "steps", "256"}, {"fog", "lamp_shadows", points}};
+    job.settings = {{"fog", "steps", "256"}, {"fog", "local_shadows", points}};
     job.settings.push_back({"fog", std::isalpha(grid[0]) ? "method" : "grid", grid});
     const FogPair pair = pair_of(job, 256, 2, true);
     fmt::print("{}, {} points: relMSE {:.2e}\n", grid, points, pair.relmse());

@@ -33,7 +33,7 @@ struct Bound {
   std::string channel;
   double floor;  // of 32-bit arithmetic and of textures' codes; depth: relative, else of the channel's largest value
                  // where above 1
-  double share;  // of the change to the next pixels: rasterizers move corners to a grid of 1/256 pixel
+  double fraction;  // of the change to the next pixels: rasterizers move corners to a grid of 1/256 pixel
 };
 // The error beyond the floor, as a fraction of how much the channel changes to the next pixels.
 double share_of_change(const LayerPair& p, const Bound& bound, size_t i) {
@@ -46,7 +46,7 @@ double share_of_change(const LayerPair& p, const Bound& bound, size_t i) {
 
 bool agrees(const LayerPair& p, const std::vector<Bound>& bounds, size_t i) {
   return p.same_surface(i, i) &&
-         std::all_of(bounds.begin(), bounds.end(), [&](const Bound& b) { return share_of_change(p, b, i) <= b.share; });
+         std::all_of(bounds.begin(), bounds.end(), [&](const Bound& b) { return share_of_change(p, b, i) <= b.fraction; });
 }
 
 // Where a sample of the GPU met another surface than the reference's: an edge or a crease runs by the centre of the
@@ -107,7 +107,7 @@ TEST_F(ReferenceLayers, AgreeOnGeneratedScenes) {
       ++edges;
       if (is_seen_beside(p, bounds, i)) continue;
       for (const Bound& bound : bounds)
-        EXPECT_LE(share_of_change(p, bound, i), bound.share)
+        EXPECT_LE(share_of_change(p, bound, i), bound.fraction)
             << at << ": " << bound.channel << " is " << p.gpu.find(bound.channel)->f[i] << " for "
             << p.reference.find(bound.channel)->f[i];
       EXPECT_TRUE(p.same_surface(i, i)) << at;

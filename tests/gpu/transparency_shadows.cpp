@@ -209,7 +209,7 @@ TEST_F(TransparencyShadows, ALensGathersLight) {
   const GltfBuilder wall = lit_wall(Lamp::sun);
   const Image bent = wall_of(b, "8"), bare = wall_of(wall, "8");
   EXPECT_EQ(bent, wall_of(b, "8"));
-  const auto share = [&](const Image& a, int x) {
+  const auto fraction = [&](const Image& a, int x) {
     return a.at<glm::vec4>(x, glass_height / 2).y / bare.at<glm::vec4>(x, glass_height / 2).y;
   };
   // Near the axis light of the lens's middle and of a ring near its rim meet: the sum over both of areas' ratios.

@@ -47,9 +47,9 @@ TEST(MedianInterval, HasTheRanksOfTheExactBootstrap) {
                         (n - draws) * std::log1p(-p));
       return sum;
     };
-    const auto rank = [&](double share, int needed) {
+    const auto rank = [&](double fraction, int needed) {
       int k = 1;
-      while (at_most(k, needed) < share) ++k;
+      while (at_most(k, needed) < fraction) ++k;
       return k;
     };
     for (const double confidence : {0.95, 0.5}) {

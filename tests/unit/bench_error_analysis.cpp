@@ -10,7 +10,7 @@
 #include "bench/error_choice.h"
 #include "bench/error_truth.h"
 #include "bench/error_views.h"
-#include "bench/error_walk.h"
+#include "bench/sweep_places.h"
 #include "bench/scene_store.h"
 #include "gltf/gltf.h"
 #include "job/frame_knobs.h"
@@ -343,7 +343,7 @@ TEST(KnobStudies, AnImperfectLawHasALowerRSquared) {
   EXPECT_GT(study.r_squared, 0.3);
 }
 
-TEST(Knobs, WalksEndAtTheExactValue) {
+TEST(Knobs, SweepsEndAtTheExactValue) {
   for (const KnobRow& knob : knob_rows("exact")) {
     const std::string name = knob.pass + "." + knob.knob;
     if (knob.kind == "look") continue;
@@ -359,14 +359,14 @@ TEST(Knobs, WalksEndAtTheExactValue) {
   }
 }
 
-struct Walked {
+struct Swept {
   // "clustered lights.test=aabb"; what plans the same work as a row; knobs whose study the technique's exact end
   // belongs to.
   std::set<std::string> rows, same, exact;
   std::string notes;
 };
-Walked walked(const SweepPlace& place) {
-  Walked w;
+Swept swept(const SweepPlace& place) {
+  Swept w;
   for (const SweepRow& row : place.rows) {
     const Job& job = row.configuration.job;
     EXPECT_EQ(row.configuration.views.size(), place.views.size());
@@ -389,7 +389,7 @@ Walked walked(const SweepPlace& place) {
   return w;
 }
 
-TEST(SweepPlaces, WalkEveryKnobOfAnyPass) {
+TEST(SweepPlaces, SweepEveryKnobOfAnyPass) {
   Suite base;
   base.scenes = {suite_scene("light-field", {}, {})};
   base.lights = {64};
@@ -408,7 +408,7 @@ TEST(SweepPlaces, WalkEveryKnobOfAnyPass) {
       qualities.push_back(row.configuration.job.quality);
   EXPECT_EQ(qualities, (std::vector<std::string>{"exact", "draft", "normal", "high"}))
       << "the exact end first: others are compared with it";
-  const Walked w = walked(place);
+  const Swept w = swept(place);
   for (const char* row :
        {"clustered lights.test=aabb", "clustered lights.list=compact", "clustered cull.enabled=0",
         "clustered lights.floor_lux=0.1", "clustered lights.tile_px=8", "forward-plus lights.test=cone-sphere",
@@ -448,7 +448,7 @@ std::map<std::string, std::set<std::string>> declared(const FramePlan& plan) {
   return all;
 }
 
-// In a note that tells why it is not walked; not by the frame having none of its passes, which is said of what a table
+// In a note that tells why it is not swept; not by the frame having none of its passes, which is said of what a table
 // leaves out too.
 bool is_named(const SweepPlace& place, const std::string& technique, const std::string& knob) {
   return std::ranges::any_of(place.notes, [&](const std::string& note) {
@@ -467,8 +467,8 @@ SuiteScene scene_with_all(const std::filesystem::path& folder) {
   return scene;
 }
 
-// Of what a sweep walks: a value that changes a plan changes some pass of it, which follows the knob's table, and so
-// the knob is walked. The techniques whose whole sweep is planned here have all passes between them.
+// Of what a sweep holds: a value that changes a plan changes some pass of it, which follows the knob's table, and so
+// the knob is swept. The techniques whose whole sweep is planned here have all passes between them.
 TEST(SweepPlaces, WhatChangesThePlanIsSweptAndChangesPassesThatFollowTheTable) {
   Suite base;
   const std::filesystem::path folder = testing::TempDir();
@@ -480,7 +480,7 @@ TEST(SweepPlaces, WhatChangesThePlanIsSweptAndChangesPassesThatFollowTheTable) {
   const auto places = sweep_places(base, store);
   ASSERT_TRUE(places) << places.error().text();
   const SweepPlace& place = places->front();
-  const Walked w = walked(place);
+  const Swept w = swept(place);
   for (const char* knob : {"ibl.method", "occlusion.method", "occlusion.slices", "lights.floor_lux", "resolve.samples"})
     EXPECT_TRUE(w.exact.contains(std::string("visibility ") + knob)) << knob;
   const Configuration& any = place.rows.front().configuration;
@@ -537,7 +537,7 @@ TEST(SweepPlaces, ASceneThatIsNotThereStaysInTheList) {
   ASSERT_EQ(places->size(), 2u);
   EXPECT_EQ((*places)[0].rows.size(), 4u);
   ASSERT_EQ((*places)[0].notes.size(), 1u);
-  EXPECT_NE((*places)[0].notes[0].find("no knob was walked"), std::string::npos);
+  EXPECT_NE((*places)[0].notes[0].find("no knob was swept"), std::string::npos);
 }
 
 TEST(ErrorBudget, Parse) {

@@ -70,13 +70,13 @@ TEST(ErrorParts, ErrorsThatCancelAreSeen) {
 // occlusion is missing.
 TEST(ErrorParts, ShadowsAreToldFromTheLightThatTheyTake) {
   FloatImage truth = two_objects();
-  for (const char* share : {"shadow_sun.Y", "occlusion.Y"})
-    truth.channels.push_back({share, ChannelType::float32, std::vector<float>(pixels, 1), {}});
+  for (const char* fraction : {"shadow_sun.Y", "occlusion.Y"})
+    truth.channels.push_back({fraction, ChannelType::float32, std::vector<float>(pixels, 1), {}});
   FloatImage picture = truth;
   const size_t missing = 0, dark = 6, dim = width + 1, open = width + 6;
-  const auto set = [](FloatImage& image, const char* term, const char* share, size_t at, float light, float arrives) {
+  const auto set = [](FloatImage& image, const char* term, const char* fraction, size_t at, float light, float arrives) {
     for (const char c : {'R', 'G', 'B'}) plane(image, std::string(term) + "." + c)[at] = light * arrives;
-    plane(image, share)[at] = arrives;
+    plane(image, fraction)[at] = arrives;
   };
   set(truth, "direct_sun", "shadow_sun.Y", missing, 1, 0);
   set(truth, "direct_sun", "shadow_sun.Y", dark, 1, 0.5f), set(picture, "direct_sun", "shadow_sun.Y", dark, 1, 0.25f);

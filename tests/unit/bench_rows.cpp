@@ -173,7 +173,7 @@ TEST(Picture, LightListsComeFromTheLayers) {
   ASSERT_TRUE(lists);
   EXPECT_EQ(lists->mean, 10);
   EXPECT_EQ(lists->max, 20);
-  EXPECT_EQ(lists->waste_share, 0.25);
+  EXPECT_EQ(lists->waste_fraction, 0.25);
   EXPECT_EQ(lists->missed, 2);
   EXPECT_GT(lists->p95, 15);
 }

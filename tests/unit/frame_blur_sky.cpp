@@ -42,7 +42,7 @@ TEST(BlurSky, LessThanATexelLeavesTheImageAsItIs) {
   }
 }
 
-// A texel in the pole's row has neighbours a twentieth of a row away: their share follows from the angle between.
+// A texel in the pole's row has neighbours a twentieth of a row away: their fraction follows from the angle between.
 TEST(BlurSky, SmallAnglesAreToldApart) {
   constexpr int bright = 20;
   const DecodedImage sky = sky_of([](int x, int y) { return glm::vec4(x == bright && y == 0 ? 1 : 0); });

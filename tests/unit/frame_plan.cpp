@@ -216,7 +216,7 @@ TEST(Plan, EachStageTimesItself) {
       names.push_back(name);
       EXPECT_GE(ms, 0) << technique << " " << name;
     }
-    EXPECT_EQ(joined(names), "animate, light_grid, sun_shadows, lamp_shadows, trees, plan") << technique;
+    EXPECT_EQ(joined(names), "animate, light_grid, sun_shadows, local_shadows, trees, plan") << technique;
   }
 }
 

@@ -52,7 +52,7 @@ TEST(Gate, AlphaCounts) {
   for (float& a : thinner.channels.back().f) a = 0.5f;
   const GateResult result = judge_golden(golden, thinner, {});
   EXPECT_EQ(result.level, GateLevel::failed);
-  EXPECT_EQ(result.small_share, 1);
+  EXPECT_EQ(result.small_fraction, 1);
   thinner = golden;
   for (float& a : thinner.channels.back().f) a = 254.0f / 255;
   EXPECT_EQ(judge_golden(golden, thinner, {}).level, GateLevel::nearly_identical);

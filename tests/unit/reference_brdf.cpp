@@ -92,7 +92,7 @@ TEST(Brdf, TheWhiteDiffuseFurnaceIsOne) {
   }
 }
 
-// Single scattering loses what bounces between facets. A white metal at normal incidence keeps the share that is seen
+// Single scattering loses what bounces between facets. A white metal at normal incidence keeps the fraction that is seen
 // of facets lit from all around; for alpha = 1 the height-correlated term has the closed form below, for alpha near 0
 // nothing is lost.
 TEST(Brdf, TheMetalFurnaceLosesSingleScatteringsShare) {

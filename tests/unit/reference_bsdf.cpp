@@ -164,7 +164,7 @@ TEST(Bsdf, AThinSheetTintsAndDoesNotBend) {
   const glm::dvec3 v = direction(50, 1);
   const double r = fresnel(v.z, 1.5);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(straight_share(p.s, v)[c], 0.75 * (1 - r) * color[c], 1e-15);
-  // Chosen as often as it weighs: the mean of what is sampled is the share.
+  // Chosen as often as it weighs: the mean of what is sampled is the fraction.
   glm::dvec3 straight(0), mirrored(0), diffuse(0);
   const int count = 1 << 14;
   for (int i = 0; i < count; ++i) {

@@ -124,7 +124,7 @@ TEST(FogLamps, AFieldInThinAirHasTheSumOfItsClosedForms) {
     }
     const double deviation = std::sqrt(std::max(squares - sum * sum, 0.0));
     EXPECT_NEAR(sum, 1, 4.5 * deviation / std::sqrt(samples) + 1e-6) << pixel.x;
-    // A point's share is so near to its light that 256 of them, for 400 lamps, leave little to chance.
+    // A point's fraction is so near to its light that 256 of them, for 400 lamps, leave little to chance.
     EXPECT_LT(deviation, 0.02) << pixel.x;
   }
 }

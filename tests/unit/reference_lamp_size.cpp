@@ -164,21 +164,21 @@ TEST(LampSize, APenumbraIsAsWideAsTheLampSays) {
       const glm::dvec2 centre(-x, lamp_m);
       const double d = glm::length(centre);
       const double lit = candela * lamp_m / (d * d * d) / pi;
-      double share = 0, layer = 0;
+      double fraction = 0, layer = 0;
       for (size_t y = 0; y < size_t(camera.height); ++y) {
-        share += film.mean(y * size_t(camera.width) + i).x / lit / camera.height;
+        fraction += film.mean(y * size_t(camera.width) + i).x / lit / camera.height;
         layer += film.lamp_shadow(y * size_t(camera.width) + i) / camera.height;
       }
-      EXPECT_NEAR(layer, share, 0.03);
+      EXPECT_NEAR(layer, fraction, 0.03);
       if (x < -half_width - pixel) {
-        EXPECT_NEAR(share, 1, 0.01) << x;
+        EXPECT_NEAR(fraction, 1, 0.01) << x;
         ++full;
       } else if (x > half_width + pixel) {
-        EXPECT_EQ(share, 0) << x;
+        EXPECT_EQ(fraction, 0) << x;
         EXPECT_EQ(layer, 0) << x;
         ++dark;
       } else {
-        EXPECT_NEAR(share, open_share(radius / d, centre, std::atan2(-x, edge_m)), 0.02) << x;
+        EXPECT_NEAR(fraction, open_share(radius / d, centre, std::atan2(-x, edge_m)), 0.02) << x;
         ++between;
       }
     }

@@ -179,7 +179,7 @@ TEST(LobeFormulas, TheStackIsTheSpecifications) {
     }
 }
 
-// Each lobe's share of a white sky, by its own sampling, is the double integral of its formula within 1 %, and never
+// Each lobe's fraction of a white sky, by its own sampling, is the double integral of its formula within 1 %, and never
 // more than there is.
 TEST(LobeFormulas, FurnacesAreTheIntegralsOfTheFormulas) {
   for (const double degrees : {5.0, 40.0, 70.0, 85.0})

@@ -167,7 +167,7 @@ TEST(Medium, EquiAngularPlacesHaveTheirDensity) {
       const double at = angles.distance_at(double(i) / steps);
       ASSERT_GE(at, last);
       ASSERT_LE(at, span.end_m);
-      // Each of the steps holds the same share of the density.
+      // Each of the steps holds the same fraction of the density.
       EXPECT_NEAR(simpson(last, at, 40, [&](double t) { return angles.density(t); }) * steps, 1, 1e-3)
           << light.z << " " << i;
       last = at;

@@ -52,18 +52,18 @@ TEST(Sun, APenumbraIsAsWideAsTheDiscSays) {
     const Film film = traced(*t, settings, camera, 256);
     int dark = 0, full = 0, between = 0;
     for (size_t i = 0; i < size_t(camera.width); ++i) {
-      double share = 0;
+      double fraction = 0;
       for (size_t y = 0; y < size_t(camera.height); ++y)
-        share += film.mean(y * size_t(camera.width) + i).x / (lux / pi) / camera.height;
+        fraction += film.mean(y * size_t(camera.width) + i).x / (lux / pi) / camera.height;
       const double x = seen_on_plane(camera, i).x;
       if (x < -half_width - pixel) {
-        EXPECT_NEAR(share, 1, 2e-3) << x;
+        EXPECT_NEAR(fraction, 1, 2e-3) << x;
         ++full;
       } else if (x > half_width + pixel) {
-        EXPECT_EQ(share, 0) << x;
+        EXPECT_EQ(fraction, 0) << x;
         ++dark;
       } else {
-        EXPECT_NEAR(share, open_share(radius, std::atan2(-x, height_m)), 0.01) << x;
+        EXPECT_NEAR(fraction, open_share(radius, std::atan2(-x, height_m)), 0.01) << x;
         ++between;
       }
     }

@@ -95,7 +95,7 @@ TEST(Terms, KindsOfLightAreKeptApart) {
   }
 }
 
-// What gives light by itself, the background, and unlit surfaces, of which blended ones show the share that they cover.
+// What gives light by itself, the background, and unlit surfaces, of which blended ones show the fraction that they cover.
 TEST(Terms, EmissionAndBackgroundShareAPixelByCoverage) {
   for (const Mode mode : {Mode::direct, Mode::path}) {
     SCOPED_TRACE(mode == Mode::path ? "path" : "direct");
@@ -190,7 +190,7 @@ TEST(Terms, TheHarmonicAmbientIsDividedByItsLobes) {
   expect_near(matt.specular, glm::dvec3(0), 1e-12, "and nothing else");
   s.dielectric_f0 = glm::dvec3(0.04), s.dielectric_f90 = 1;
   const HarmonicAmbient varnished = harmonic_ambient(even, s, {0, 0, 1});
-  // A dielectric reflects the same share of every colour, and the base has what it leaves or nearly so.
+  // A dielectric reflects the same fraction of every colour, and the base has what it leaves or nearly so.
   EXPECT_GT(varnished.specular.x, 0.02);
   expect_near(varnished.specular, glm::dvec3(varnished.specular.x), 1e-9, "no hue");
   expect_near(varnished.diffuse / albedo, glm::dvec3(1 - varnished.specular.x), 0.02, "the rest");
@@ -239,7 +239,7 @@ TEST(Terms, ShadowIsTheMeanOverWhatIsSeen) {
   for (size_t i = 0; i < film.pixels(); ++i) EXPECT_NEAR(film.shadow(i), double(0.4f), 1e-12) << i;
 }
 
-// Under an endless roof at height h a direction meets it at h over its cosine: the share (h/R)^2 of the light by cosine
+// Under an endless roof at height h a direction meets it at h over its cosine: the fraction (h/R)^2 of the light by cosine
 // comes from beyond a radius R. A blended roof hides by its coverage, and in direct the sky's light follows the look.
 TEST(Terms, OcclusionIsTheShareThatNearSurfacesLeave) {
   constexpr double height = 6, radius = 8, strength = 0.8, radiance = 0.7;
@@ -336,7 +336,7 @@ TEST(Terms, SumToBeautyAndChangeNoBitOfIt) {
                      counted = traced(*t, settings, over_everything, 6, true, true);
           ASSERT_TRUE(divided.has_terms());
           EXPECT_FALSE(alone.has_terms());
-          double largest_share = 0;
+          double largest_fraction = 0;
           for (size_t i = 0; i < alone.pixels(); ++i) {
             EXPECT_EQ(alone.mean(i), divided.mean(i)) << i;
             EXPECT_EQ(alone.variance(i), divided.variance(i)) << i;
@@ -345,9 +345,9 @@ TEST(Terms, SumToBeautyAndChangeNoBitOfIt) {
             const glm::dvec3 all = divided.mean(i);
             expect_near(sum_of_terms(divided, i), all, 1e-12 * (1 + largest(all)), fmt::format("pixel {}", i));
             for (size_t k = 0; k < term_count; ++k)
-              largest_share = std::max(largest_share, divided.term(Term(k), i).y / std::max(all.y, 1e-9));
+              largest_fraction = std::max(largest_fraction, divided.term(Term(k), i).y / std::max(all.y, 1e-9));
           }
-          EXPECT_GT(largest_share, 0.5);
+          EXPECT_GT(largest_fraction, 0.5);
         }
 }
 

@@ -41,7 +41,7 @@ void Occluders::record(CommandList& commands, const In& in, const Out& out) cons
   push.masks = commands.address(out.masks);
   push.survivors = commands.address(out.survivors);
   push.subsample_ndc = in.scene.subsample_ndc;
-  push.first_phase_px = knobs.first_share * float(in.scene.width_px) * float(in.scene.height_px);
+  push.first_phase_px = knobs.first_fraction * float(in.scene.width_px) * float(in.scene.height_px);
   push.group_count = in.scene.cull_group_count;
   commands.push(push);
   dispatch_groups(commands, in.scene);

@@ -16,7 +16,7 @@ std::span<const Knob> OcclusionCullKnobs::table() {
        .kind = Trades::time,
        .sweep = {off, on, automatic}},
       {.name = "first_share",
-       .member = &OcclusionCullKnobs::first_share,
+       .member = &OcclusionCullKnobs::first_fraction,
        .lowest = 0,
        .highest = 1,
        .levels = {0.005},

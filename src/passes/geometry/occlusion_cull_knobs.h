@@ -8,7 +8,7 @@ struct OcclusionCullKnobs {
   static constexpr std::string_view name = "occlusion_cull";
   enum Mode : int { off, on, automatic };
   int mode = automatic;
-  float first_share = 0.005f;
+  float first_fraction = 0.005f;
   static std::span<const Knob> table();
 };
 Need needs_occlusion_culling(const SceneFacts& facts, const OcclusionCullKnobs& knobs);

@@ -360,18 +360,6 @@ constexpr uint64_t most_bitmask_lights = 64;
 
 }  // namespace
 
-uint32_t apply_light_floor(std::vector<LightItem>& lights, float floor_lux) {
-  uint32_t count = 0;
-  if (!(floor_lux > 0)) return count;
-  for (LightItem& l : lights) {
-    if (l.type == LightType::directional || std::isfinite(l.range_m)) continue;
-    const double brightest = double(std::max(l.intensity.x, std::max(l.intensity.y, l.intensity.z)));
-    l.range_m = float(std::min(std::sqrt(brightest / double(floor_lux)), 1e18));
-    ++count;
-  }
-  return count;
-}
-
 shared::LightBounds inflated_bounds(const LightItem& light, const shared::FrameConstants& constants) {
   shared::LightBounds bounds{};
   Grid(LightGridKind::tiles, constants, {}, 16, 1, 1).bounds_of(light, bounds);

@@ -48,7 +48,7 @@ void Supersample::record(CommandList& commands, const In& in, const Out& out) co
   push.source = commands.sampled(in.color);
   push.before = in.before ? commands.sampled(in.before) : 0;
   push.target = commands.storage(out.sum);
-  push.share = 1.0f / float(knobs.pictures());
+  push.fraction = 1.0f / float(knobs.pictures());
   push.size_px = {in.width_px, in.height_px};
   commands.push(push);
   commands.dispatch(in.width_px, in.height_px);

@@ -30,7 +30,7 @@ struct ReflectionKnobs : ScreenOrRays {
 //
 // With method traced the rays go through the scene's triangles (shaders/lib/trace.glsl), and what they meet is shaded
 // by the functions of all techniques: every lamp with its shadow by a ray, the sky with occlusion by rays, textures as
-// coarse as the sample's share of the lobe is there (Igehy, "Tracing Ray Differentials", 1999).
+// coarse as the sample's fraction of the lobe is there (Igehy, "Tracing Ray Differentials", 1999).
 //
 // Steps: the surfaces at the pixels' middles, drawn again; the picture's pyramid, of surfaces alone; rays.
 // Picture: linear, pre-exposed, resolved, with all that lies behind blended surfaces. Its fog's own light is taken from

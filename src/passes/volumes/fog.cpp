@@ -33,8 +33,8 @@ FogGrid::Out FogGrid::declare(GraphBuilder& builder, const In& in) const {
   if (in.media > 0) shader += fmt::format("#FOG_MEDIA={}", in.media);
   if (in.ambient) shader += "#FOG_AMBIENT=1";
   shader += fmt::format("#FOG_CELLS={}u", most_cells(nodes.z));
-  const bool lamps = in.lists.lamp_maps && knobs.lamp_shadows > 0;
-  shader += fog_shadows(bool(in.lists.sun_maps), lamps, knobs.lamp_shadows);
+  const bool lamps = in.lists.lamp_maps && knobs.local_shadows > 0;
+  shader += fog_shadows(bool(in.lists.sun_maps), lamps, knobs.local_shadows);
   out.scatter = builder.pipeline(ComputePipelineDesc{shader, {}});
   out.sum = builder.pipeline(ComputePipelineDesc{"fog_sum.comp", {}});
   builder.begin_step();
@@ -65,7 +65,7 @@ void FogGrid::record(CommandList& commands, const In& in, const Out& out) const 
   shared::FogLightPush push{};
   Lighting lists = in.lists;
   lists.tiles = {};  // air lies before and behind what tiles know the depths of
-  if (knobs.lamp_shadows == 0) lists.lamp_maps = {};
+  if (knobs.local_shadows == 0) lists.lamp_maps = {};
   push_light_lists(commands, in.scene, lists, push);
   push.target = commands.storage(out.light);
   commands.bind(out.scatter);

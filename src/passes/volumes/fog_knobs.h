@@ -19,7 +19,7 @@ struct FogKnobs {
   int march_steps = 64;   // at most, of a texel's ray
   float march_loss = 0.025f;
   int march_px = 2;         // a texel's side
-  int lamp_shadows = 1;     // points of a slice at which a lamp's maps are asked
+  int local_shadows = 1;    // points of a slice at which a lamp's maps are asked
   int sky_directions = 16;  // of the transmittance before the sky
   static std::span<const Knob> table();
   // FogMedium::nodes in a picture of this size.

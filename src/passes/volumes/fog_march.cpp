@@ -22,7 +22,7 @@ FogMarch::Out FogMarch::declare(GraphBuilder& builder, const In& in) const {
   if (in.depth) read_depth(builder, in.depth);
   for (const BufferHandle b : {s.lights, s.light_globals, in.lists.cells, in.lists.entries})
     builder.read_optional(b, Access::compute_read);
-  const bool lamps = in.lists.lamp_maps && shared_knobs.lamp_shadows > 0;
+  const bool lamps = in.lists.lamp_maps && shared_knobs.local_shadows > 0;
   if (in.lists.sun_maps) {
     builder.read(in.lists.sun_maps, Access::sampled_compute, "the suns' maps");
     builder.read(s.suns, Access::compute_read, "the suns' cascades");
@@ -34,7 +34,7 @@ FogMarch::Out FogMarch::declare(GraphBuilder& builder, const In& in) const {
   std::string shader = with_depth("fog_march.comp", in.depth);
   if (in.media > 0) shader += fmt::format("#FOG_MEDIA={}", in.media);
   if (in.ambient) shader += "#FOG_AMBIENT=1";
-  shader += fog_shadows(bool(in.lists.sun_maps), lamps, shared_knobs.lamp_shadows);
+  shader += fog_shadows(bool(in.lists.sun_maps), lamps, shared_knobs.local_shadows);
   out.pipeline = builder.pipeline(ComputePipelineDesc{shader, {{0, "DEPTH_SAMPLES", in.depth ? s.samples : 0}}});
   out.light = builder.write(out.light, Access::storage_image_write);
   return out;
@@ -44,7 +44,7 @@ void FogMarch::record(CommandList& commands, const In& in, const Out& out) const
   shared::FogMarchPush push{};
   Lighting lists = in.lists;
   lists.tiles = {};  // air lies before and behind what tiles know the depths of
-  if (shared_knobs.lamp_shadows == 0) lists.lamp_maps = {};
+  if (shared_knobs.local_shadows == 0) lists.lamp_maps = {};
   push_light_lists(commands, in.scene, lists, push);
   push_depth(commands, in.depth, push);
   push.target = commands.storage(out.light);

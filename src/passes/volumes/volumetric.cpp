@@ -169,7 +169,7 @@ void VolumetricLight::record(CommandList& commands, const In& in, const Out& out
     // Three of them are as wide as the matrix of offsets, whose pattern would show otherwise; more would blur glows.
     push.deviation = float(knobs.bayer) / 6;
     push.radius = uint32_t(std::ceil(2.5f * push.deviation));
-    push.depth_share = filter.bilateral ? same_surface : 0;
+    push.depth_fraction = filter.bilateral ? same_surface : 0;
     commands.push(push);
     commands.dispatch(texels.x, texels.y);
   } else {

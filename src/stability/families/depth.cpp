@@ -53,7 +53,7 @@ StabilityScene inside(bool double_sided) {
   point(out, {0, 1, 0}, 5);
   camera(out, {0, 0, 0.3}, {0, 0, -1}, 1.2, 0.01);
   StabilityScene scene = scene_of(out);
-  scene.stray_share = 1e-3;  // the box's edges
+  scene.stray_fraction = 1e-3;  // the box's edges
   return scene;
 }
 
@@ -80,7 +80,7 @@ StabilityScene orthographic(double half_size_m, double near_m, double far_m) {
   out.node("camera", {{"camera", index}});
   StabilityScene scene = scene_of(out);
   // Depths lie evenly over the range: the outline of a ball is as deep as 1/2^24 of it.
-  scene.stray_share = 1e-3;
+  scene.stray_fraction = 1e-3;
   return scene;
 }
 

@@ -58,12 +58,12 @@ StabilityScene dense_ball(StabilityInput& in) {
   const glm::dvec3 eye(0.5, 1.75, 4.5), target(0, 0.5, 0), forward = glm::normalize(target - eye);
   place(out, sphere(2e-3, segments, rings), clay, eye + 1.5 * forward);
   StabilityScene scene = scene_of(out);
-  scene.stray_share =
+  scene.stray_fraction =
       2e-3;  // triangles smaller than the roundings of their corners: any of them may hold the pixel's centre
   return scene;
 }
 
-// The same ball near: every triangle is far smaller than a sample's share of a pixel.
+// The same ball near: every triangle is far smaller than a sample's fraction of a pixel.
 StabilityScene dense_near(StabilityInput& in) {
   GlbWriter out;
   lit_room(out, in.rng);
@@ -96,7 +96,7 @@ void add_triangles(Recipes& all) {
   // Between samples by nearly all, hit by chance where rounding says so.
   add(all, "needles 1e-6 m wide", "400 of 10 m", [](GlbWriter& out, Rng& rng) { needles(out, rng, 1e-6); });
   add(all, "needles 3 mm wide", "400 of 10 m", [](GlbWriter& out, Rng& rng) { needles(out, rng, 3e-3); });
-  // What is interpolated over a triangle is a float's share of it off: half a millimetre here, from which the lamp is
+  // What is interpolated over a triangle is a float's fraction of it off: half a millimetre here, from which the lamp is
   // two metres away.
   add(all, "triangle of 1e4 m", "a plain under a lamp", [](GlbWriter& out, Rng&) {
     raw_node(out,
@@ -113,7 +113,7 @@ void add_triangles(Recipes& all) {
             {0, 0.1, 1.5}, {0, 1.4, 1.5}, {0.9, 0.7, 1.9}, {-0.9, 0.7, 1.9}, {0.05, 0.7, 0.6}};
         raw_node(out, raw_primitive(out, p, {}, {0, 1, 2, 0, 1, 3, 0, 1, 4, 0, 1, 2, 2, 1, 0}), clay);
       },
-      [](StabilityScene& s) { s.stray_share = 2e-3; });
+      [](StabilityScene& s) { s.stray_fraction = 2e-3; });
 }
 
 void add_normals(Recipes& all) {

@@ -7,8 +7,8 @@ namespace candela {
 // Of the nearest opaque or masked surface at the pixel's centre: `shadow_local`, the fraction of the point and spot
 // lights' light that arrives, each weighed by its illuminance and cosine, 1 where none reaches it. Lights without maps
 // count as unblocked. Background: 1.
-struct LampLayers {
-  static constexpr std::string_view name = "lamp_layers";
+struct LocalLayers {
+  static constexpr std::string_view name = "local_layers";
   static constexpr LayerName layers[1] = {
       {"shadow_local", "the fraction of point and spot lights' light that arrives", LayerForm::fraction}};
   struct In {

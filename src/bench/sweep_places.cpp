@@ -1,4 +1,4 @@
-#include "bench/error_walk.h"
+#include "bench/sweep_places.h"
 
 #include <map>
 #include <set>
@@ -21,25 +21,25 @@ std::string place_of(const Configuration& c) {
                      c.scene.look.label, c.job.effects, c.job.transparency);
 }
 
-class Walker {
+class KnobSweeps {
  public:
-  Walker(const Suite& whole, SceneStore& store) : whole_(whole), store_(store) {}
+  KnobSweeps(const Suite& whole, SceneStore& store) : whole_(whole), store_(store) {}
 
   // Chooses the views, makes what plans the same work one row, and adds rows of all knobs to a place whose rows are
   // those of suite "whole".
-  void walk(SweepPlace& place) {
+  void add_to(SweepPlace& place) {
     const Configuration first = place.rows.front().configuration;
     place.views = {{first.job.camera, first.time_s}};
     if (!first.left_out.empty()) return;
     if (auto loaded = load(first); !loaded) {
-      place.notes.push_back(fmt::format("{}: no knob was walked: {}", first.scene.label, loaded.error().text()));
+      place.notes.push_back(fmt::format("{}: no knob was swept: {}", first.scene.label, loaded.error().text()));
       return;
     }
     if (auto chosen = choose_views(place, first); !chosen)
       place.notes.push_back(fmt::format("{}: one view: {}", first.scene.label, chosen.error().text()));
     works_.clear();
     for (SweepRow& row : std::exchange(place.rows, {})) add(place, std::move(row));
-    for (const auto& [technique, work] : exact_) walk_technique(place, technique, work);
+    for (const auto& [technique, work] : exact_) sweep_technique(place, technique, work);
     exact_.clear();
   }
 
@@ -88,7 +88,7 @@ class Walker {
     Hash128 hash;
     std::set<std::string> passes;  // kept in any view
   };
-  struct NotWalked {
+  struct NotSwept {
     std::vector<std::string> same, unused;  // knobs, or their values
   };
   // Over all views; nullopt where one cannot be planned.
@@ -128,18 +128,18 @@ class Walker {
           {row.suite, job.technique, job.quality, settings_text(job), job_json(job), row.knobs, {}});
   }
 
-  void walk_technique(SweepPlace& place, const Configuration& exact, const Work& work) {
-    NotWalked not_walked;
+  void sweep_technique(SweepPlace& place, const Configuration& exact, const Work& work) {
+    NotSwept not_swept;
     beside_.clear();
     for (const KnobRow& knob : knob_rows("exact"))
-      if (knob.kind != "look" && knob.sweep.size() > 1) walk_knob(place, exact, knob, work, not_walked);
+      if (knob.kind != "look" && knob.sweep.size() > 1) sweep_knob(place, exact, knob, work, not_swept);
     const auto note = [&](const std::vector<std::string>& names, std::string_view why) {
       if (!names.empty())
         place.notes.push_back(
             fmt::format("{} with {}: {}: {}", exact.scene.label, exact.job.technique, why, joined(names)));
     };
-    note(not_walked.same, "the same work as at another value, and not measured again");
-    note(not_walked.unused, "the frame has none of their passes");
+    note(not_swept.same, "the same work as at another value, and not measured again");
+    note(not_swept.unused, "the frame has none of their passes");
   }
 
   // The knob points of the technique's exact end, whichever row does its work.
@@ -168,12 +168,12 @@ class Walker {
     return at->second = work ? std::move(*work) : exact_work;
   }
 
-  void walk_knob(SweepPlace& place, const Configuration& exact, const KnobRow& knob, const Work& exact_work,
-                 NotWalked& not_walked) {
+  void sweep_knob(SweepPlace& place, const Configuration& exact, const KnobRow& knob, const Work& exact_work,
+                  NotSwept& not_swept) {
     const std::string name = knob.pass + "." + knob.knob;
     const std::set<std::string>& kept = work_beside(place, exact, knob, exact_work).passes;
     if (std::ranges::none_of(knob.passes, [&](const std::string& pass) { return kept.contains(pass); })) {
-      not_walked.unused.push_back(name);
+      not_swept.unused.push_back(name);
       return;
     }
     std::vector<Hash128> works = {exact_work.hash};
@@ -192,7 +192,7 @@ class Walker {
       add(place, {"knob " + name, std::move(changed), {{name, value, knob.kind, knob.passes}}, {}});
     }
     if (works.size() == 1) skipped = {name};
-    not_walked.same.insert(not_walked.same.end(), skipped.begin(), skipped.end());
+    not_swept.same.insert(not_swept.same.end(), skipped.begin(), skipped.end());
     if (works.size() > 1)
       exact_points(place, exact.job.technique).push_back({name, knob.value_now, knob.kind, knob.passes});
   }
@@ -247,8 +247,8 @@ Expected<std::vector<SweepPlace>> sweep_places(const Suite& base, SceneStore& st
   auto places = whole_places(base);
   if (!places) return places;
   const Suite whole = whole_suite(base);
-  Walker walker(whole, store);
-  for (SweepPlace& place : *places) walker.walk(place);
+  KnobSweeps sweeps(whole, store);
+  for (SweepPlace& place : *places) sweeps.add_to(place);
   return places;
 }
 

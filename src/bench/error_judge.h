@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "bench/error_truth.h"
-#include "bench/sweep_places.h"
 #include "bench/row.h"
+#include "bench/sweep_places.h"
 
 namespace candela {
 

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "bench/error_sweep.h"
-#include "bench/sweep_places.h"
 #include "bench/scene_store.h"
+#include "bench/sweep_places.h"
 
 namespace candela {
 

@@ -23,7 +23,7 @@ Series& series(std::vector<Series>& all, const std::string& name);  // made when
 struct LightLists {
   double mean = 0, p95 = 0, max = 0;
   double waste_fraction = 0;  // of listed lights: those that contribute nothing
-  double missed = 0;       // lights that contribute and are not listed, over all pixels: must be 0
+  double missed = 0;          // lights that contribute and are not listed, over all pixels: must be 0
 };
 
 // The picture against the reference's.

@@ -7,8 +7,8 @@
 
 #include "bench/deadline.h"
 #include "bench/error_judge.h"
-#include "bench/sweep_places.h"
 #include "bench/measured.h"
+#include "bench/sweep_places.h"
 
 namespace candela {
 

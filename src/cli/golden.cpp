@@ -69,8 +69,8 @@ GoldenRow report_row(const GoldenManifest& golden, const GoldenOutcome& outcome)
     row.bounds = {{"FLIP, mean", metric("flip"), l.flip_mean, warn.flip_mean},
                   {"FLIP, 99th percentile", outcome.gate.flip_p99, l.flip_p99, warn.flip_p99},
                   {"largest difference", outcome.gate.largest, NAN, warn.max_abs, l.max_abs},
-                  {fmt::format("share of pixels off by more than {:.4g}", l.small_abs), outcome.gate.small_fraction, NAN,
-                   NAN, l.small_fraction}};
+                  {fmt::format("share of pixels off by more than {:.4g}", l.small_abs), outcome.gate.small_fraction,
+                   NAN, NAN, l.small_fraction}};
   }
   return row;
 }

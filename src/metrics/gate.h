@@ -11,11 +11,11 @@ namespace candela {
 // What a golden allows; values in display-encoded [0,1]. They lie in the JSON beside each golden, never in the program:
 // these are the ones a new golden starts with.
 struct GateLimits {
-  double max_abs = 2.0 / 255;    // level 2: no channel differs by more,
-  double small_abs = 1.0 / 255;  //         and by more than this ...
-  double small_fraction = 0.001;    //         ... only in this fraction of the pixels
-  double flip_mean = 0.01;       // levels 3 and 4: mean of the FLIP map
-  double flip_p99 = 0.10;        //         and its 99th percentile
+  double max_abs = 2.0 / 255;     // level 2: no channel differs by more,
+  double small_abs = 1.0 / 255;   //         and by more than this ...
+  double small_fraction = 0.001;  //         ... only in this fraction of the pixels
+  double flip_mean = 0.01;        // levels 3 and 4: mean of the FLIP map
+  double flip_p99 = 0.10;         //         and its 99th percentile
   // Rung 3 alone: what is beyond passes with a warning. Without it all that reaches the FLIP map is warned of.
   struct Warn {
     double max_abs = std::numeric_limits<double>::infinity();    // no channel, alpha too, differs by more,
@@ -37,9 +37,9 @@ std::string_view gate_level_name(GateLevel level);
 
 struct GateResult {
   GateLevel level = GateLevel::failed;
-  std::string message;     // why not a better level; empty for identical
-  Comparison comparison;   // its FLIP map is there unless the images are identical or were refused
-  double largest = 0;      // of all channels' differences
+  std::string message;        // why not a better level; empty for identical
+  Comparison comparison;      // its FLIP map is there unless the images are identical or were refused
+  double largest = 0;         // of all channels' differences
   double small_fraction = 0;  // pixels that differ by more than small_abs
   double flip_p99 = 0;
   bool blank = false;  // the new image shows a single colour

@@ -8,9 +8,9 @@
 //
 // The dielectric interface has the exact Fresnel reflectance, scaled to the specular extension's values at normal and
 // grazing incidence, over GGX facets (Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007).
-// What it lets through meets the base: the transmitted fraction goes on, tinted by the base colour, the rest is diffuse.
-// Below least_roughness the interface is a mirror and a window. Lobes (lobes.h) lie on it as on opaque surfaces; of
-// what is left to the base after transmission, diffuse transmission takes its fraction.
+// What it lets through meets the base: the transmitted fraction goes on, tinted by the base colour, the rest is
+// diffuse. Below least_roughness the interface is a mirror and a window. Lobes (lobes.h) lie on it as on opaque
+// surfaces; of what is left to the base after transmission, diffuse transmission takes its fraction.
 namespace candela::reference {
 
 // What a body scatters (KHR_materials_volume_scatter), 1/m: a part of its extinction, by Henyey and Greenstein's phase

@@ -19,9 +19,10 @@ struct LightExtent {
   bool is_sphere = false;  // a ray may meet it (LightTree::met())
 };
 
-// Picks a few of many lights for a point, with probabilities near to their fractions of what arrives there (Conty Estévez
-// and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", 2018). A light that may reach the point
-// has a probability above 0. One that cannot - out of range, behind the surface, turned away - mostly has none.
+// Picks a few of many lights for a point, with probabilities near to their fractions of what arrives there (Conty
+// Estévez and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", 2018). A light that may reach
+// the point has a probability above 0. One that cannot - out of range, behind the surface, turned away - mostly has
+// none.
 class LightTree {
  public:
   LightTree() = default;

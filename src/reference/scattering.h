@@ -15,9 +15,9 @@ double single_scatter_albedo(double multi);
 inline constexpr double most_extinction_per_m = 1e15;  // of attenuation colours of 0
 BodyMedium body_medium(const Material& material);
 
-// What a slab of the medium does to even light on one of its sides: two streams, with the reflected and absorbed fractions
-// of Kubelka ("New Contributions to the Optics of Intensely Light-Scattering Materials", 1948) and, for those, 3/4 of
-// the reduced scattering and twice the absorption.
+// What a slab of the medium does to even light on one of its sides: two streams, with the reflected and absorbed
+// fractions of Kubelka ("New Contributions to the Optics of Intensely Light-Scattering Materials", 1948) and, for
+// those, 3/4 of the reduced scattering and twice the absorption.
 struct SlabShares {
   glm::dvec3 reflected{0}, through{1};
 };

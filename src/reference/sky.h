@@ -35,8 +35,8 @@ class Sky {
   // some directions about this one, other ones for each direction.
   glm::dvec3 blurred(glm::dvec3 direction, double deviation_rad) const;
 
-  // Directions by luminance: a row by its fraction, a column by its fraction of the row, uniform in solid angle within a
-  // texel (Pharr and Humphreys's piecewise-constant distribution, with densities exact per texel). pdf is per
+  // Directions by luminance: a row by its fraction, a column by its fraction of the row, uniform in solid angle within
+  // a texel (Pharr and Humphreys's piecewise-constant distribution, with densities exact per texel). pdf is per
   // steradian.
   struct Choice {
     glm::dvec3 direction{0, 1, 0};

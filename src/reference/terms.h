@@ -36,8 +36,8 @@ Term direct_term(LightType type);
 // One sample of one pixel, or the light of one surface.
 struct TermSample {
   std::array<glm::dvec3, term_count> light{};
-  // Of the directional lights' light on what the pixel shows, weighed by the cosine, the fraction that nothing blocks; 1
-  // where none of them faces the surface, and on what takes no light.
+  // Of the directional lights' light on what the pixel shows, weighed by the cosine, the fraction that nothing blocks;
+  // 1 where none of them faces the surface, and on what takes no light.
   double shadow = 1;
   // The same of point and spot lights, only where it is wanted: it takes a ray for each of them.
   bool wants_lamp_shadow = false;

@@ -167,7 +167,8 @@ Air::Scattered Air::follow(glm::dvec3 from, glm::dvec3 direction, glm::dvec3 to_
   return out;
 }
 
-// Light that was scattered once comes from all sides alike, and each further order is the same fraction of the one before.
+// Light that was scattered once comes from all sides alike, and each further order is the same fraction of the one
+// before.
 void Air::make_higher_orders() {
   higher_.resize(size_t(h_columns) * h_rows);
   tbb::parallel_for(0, h_rows, [&](int row) {

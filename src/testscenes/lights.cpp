@@ -24,15 +24,15 @@ void add_along_axis(LightArrays& lights, Rng& rng, bool is_spot, double fraction
   const glm::dvec3 axis = glm::normalize(aim - eye);
   const double depth = 1.5 * std::pow(2.0, rng.uniform(0, 4.7)), range = 0.07 * depth;  // 1.5 to 39 m
   lights.add(eye + depth * axis + 0.03 * depth * point_in_ball(rng),
-             glm::mix(glm::dvec3(1, 0.55, 0.25), glm::dvec3(0.3, 0.6, 1), rng.uniform()), 250 * fraction * range * range,
-             range, {0.5, rng.uniform(2, 5), rng.uniform()});
+             glm::mix(glm::dvec3(1, 0.55, 0.25), glm::dvec3(0.3, 0.6, 1), rng.uniform()),
+             250 * fraction * range * range, range, {0.5, rng.uniform(2, 5), rng.uniform()});
   if (is_spot) lights.aim(glm::normalize(point_in_ball(rng) + glm::dvec3(0, -0.5, -0.5)));
 }
 
 void add_to_heap(LightArrays& lights, Rng& rng, bool is_spot, double fraction) {
   lights.add(heap + glm::dvec3(0, 0.75, 0) + 0.25 * point_in_ball(rng),
-             glm::mix(glm::dvec3(0.35, 1, 0.5), glm::dvec3(1, 0.35, 0.8), rng.uniform()), (is_spot ? 80 : 30) * fraction,
-             rng.uniform(1.2, 3.5), {0.5, rng.uniform(2, 5), rng.uniform()});
+             glm::mix(glm::dvec3(0.35, 1, 0.5), glm::dvec3(1, 0.35, 0.8), rng.uniform()),
+             (is_spot ? 80 : 30) * fraction, rng.uniform(1.2, 3.5), {0.5, rng.uniform(2, 5), rng.uniform()});
   if (is_spot) lights.aim(glm::normalize(glm::dvec3(0, -1, 0) + 0.7 * point_in_ball(rng)));
 }
 

@@ -206,12 +206,14 @@ TEST(Defaults, EffectsHaveOneNameAndOthersAreUnderstood) {
 TEST(Defaults, OldNamesAnswerWithTheNewOnes) {
   const TestFolder folder;
   const std::string file = folder / "old.exr";
-  const Ended old = candela({"render", scene("spheres"), "--size", "16x9", "--layers", "shadow,direct.sun,object_id",
-                             "--set", "shadows.lights=2", "--set", "fog.lamp_shadows=2", "--effects", "shadows,ssr", "-o", file, "--verbose"});
+  const Ended old =
+      candela({"render", scene("spheres"), "--size", "16x9", "--layers", "shadow,direct.sun,object_id", "--set",
+               "shadows.lights=2", "--set", "fog.lamp_shadows=2", "--effects", "shadows,ssr", "-o", file, "--verbose"});
   ASSERT_EQ(old.code, 0) << old.err;
   for (const char* line :
        {"the layer shadow is now called shadow_sun", "the layer direct.sun is now called direct_sun",
-        "the table of knobs shadows is now called local", "the knob fog.lamp_shadows is now called fog.local_shadows", "the effect ssr is now called reflections"})
+        "the table of knobs shadows is now called local", "the knob fog.lamp_shadows is now called fog.local_shadows",
+        "the effect ssr is now called reflections"})
     EXPECT_NE(old.err.find(line), std::string::npos) << line << "\n" << old.err;
   const auto image = read_image(file);
   ASSERT_TRUE(image);
@@ -219,9 +221,9 @@ TEST(Defaults, OldNamesAnswerWithTheNewOnes) {
     EXPECT_NE(image->find(channel), nullptr) << channel;
   for (const Channel& channel : image->channels)
     EXPECT_LE(std::ranges::count(channel.name, '.'), 1) << channel.name << ": compositors split there";
-  const Ended now =
-      candela({"render", scene("spheres"), "--size", "16x9", "--layers", "shadow_sun,direct_sun,object_id", "--set",
-               "local.lights=2", "--set", "fog.local_shadows=2", "--effects", "shadows,reflections", "-o", folder / "now.exr"});
+  const Ended now = candela({"render", scene("spheres"), "--size", "16x9", "--layers",
+                             "shadow_sun,direct_sun,object_id", "--set", "local.lights=2", "--set",
+                             "fog.local_shadows=2", "--effects", "shadows,reflections", "-o", folder / "now.exr"});
   ASSERT_EQ(now.code, 0) << now.err;
   EXPECT_EQ(now.err.find("now called"), std::string::npos) << now.err;
   EXPECT_EQ(bytes_of(file), bytes_of(folder / "now.exr"));

@@ -61,8 +61,8 @@ TEST(Render, WritesWhatItSays) {
   EXPECT_FALSE(metadata.contains("candela:timings"));
 
   const Json timings = Json::parse(bytes_of(folder / "t.json"));
-  for (const char* stage : {"load", "decode", "upload", "animate", "light_grid", "sun_shadows", "local_shadows", "trees",
-                            "plan", "compile", "allocate", "record", "wait", "read_back", "encode"})
+  for (const char* stage : {"load", "decode", "upload", "animate", "light_grid", "sun_shadows", "local_shadows",
+                            "trees", "plan", "compile", "allocate", "record", "wait", "read_back", "encode"})
     EXPECT_TRUE(timings["cpu_ms"].contains(stage)) << stage;
   double sum = 0;
   for (const auto& [pass, milliseconds] : timings["gpu_ms"].items()) sum += milliseconds.get<double>();

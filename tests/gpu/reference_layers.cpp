@@ -31,8 +31,8 @@ struct LayerPair {
 
 struct Bound {
   std::string channel;
-  double floor;  // of 32-bit arithmetic and of textures' codes; depth: relative, else of the channel's largest value
-                 // where above 1
+  double floor;     // of 32-bit arithmetic and of textures' codes; depth: relative, else of the channel's largest value
+                    // where above 1
   double fraction;  // of the change to the next pixels: rasterizers move corners to a grid of 1/256 pixel
 };
 // The error beyond the floor, as a fraction of how much the channel changes to the next pixels.
@@ -45,8 +45,8 @@ double share_of_change(const LayerPair& p, const Bound& bound, size_t i) {
 }
 
 bool agrees(const LayerPair& p, const std::vector<Bound>& bounds, size_t i) {
-  return p.same_surface(i, i) &&
-         std::all_of(bounds.begin(), bounds.end(), [&](const Bound& b) { return share_of_change(p, b, i) <= b.fraction; });
+  return p.same_surface(i, i) && std::all_of(bounds.begin(), bounds.end(),
+                                             [&](const Bound& b) { return share_of_change(p, b, i) <= b.fraction; });
 }
 
 // Where a sample of the GPU met another surface than the reference's: an edge or a crease runs by the centre of the

@@ -153,7 +153,8 @@ TEST_F(ReferenceScattering, TheErrorAgainstTheWalk) {
   glm::dvec4 gpu(0), walked(0);
   for (size_t i = 0; i < film.pixels(); ++i) gpu += pair.gpu[i], walked += pair.reference[i];
   const glm::dvec3 fraction = glm::dvec3(gpu) / glm::dvec3(walked);
-  fmt::print("relMSE {:.4f}, mean {:.3f} {:.3f} {:.3f} of the walk's\n", pair.relmse(), fraction.x, fraction.y, fraction.z);
+  fmt::print("relMSE {:.4f}, mean {:.3f} {:.3f} {:.3f} of the walk's\n", pair.relmse(), fraction.x, fraction.y,
+             fraction.z);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(fraction[c], 0.8, 0.04) << c;
   EXPECT_LT(pair.relmse(), 0.085);
   EXPECT_EQ(images["beauty"], images_of(with_layers(job))["beauty"]);

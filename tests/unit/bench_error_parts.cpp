@@ -74,7 +74,8 @@ TEST(ErrorParts, ShadowsAreToldFromTheLightThatTheyTake) {
     truth.channels.push_back({fraction, ChannelType::float32, std::vector<float>(pixels, 1), {}});
   FloatImage picture = truth;
   const size_t missing = 0, dark = 6, dim = width + 1, open = width + 6;
-  const auto set = [](FloatImage& image, const char* term, const char* fraction, size_t at, float light, float arrives) {
+  const auto set = [](FloatImage& image, const char* term, const char* fraction, size_t at, float light,
+                      float arrives) {
     for (const char c : {'R', 'G', 'B'}) plane(image, std::string(term) + "." + c)[at] = light * arrives;
     plane(image, fraction)[at] = arrives;
   };

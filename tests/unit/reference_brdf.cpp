@@ -92,9 +92,9 @@ TEST(Brdf, TheWhiteDiffuseFurnaceIsOne) {
   }
 }
 
-// Single scattering loses what bounces between facets. A white metal at normal incidence keeps the fraction that is seen
-// of facets lit from all around; for alpha = 1 the height-correlated term has the closed form below, for alpha near 0
-// nothing is lost.
+// Single scattering loses what bounces between facets. A white metal at normal incidence keeps the fraction that is
+// seen of facets lit from all around; for alpha = 1 the height-correlated term has the closed form below, for alpha
+// near 0 nothing is lost.
 TEST(Brdf, TheMetalFurnaceLosesSingleScatteringsShare) {
   for (const double roughness : {0.2, 0.4, 0.7, 1.0})
     for (const double degrees : {0.0, 30.0, 60.0, 85.0}) {

@@ -95,7 +95,8 @@ TEST(Terms, KindsOfLightAreKeptApart) {
   }
 }
 
-// What gives light by itself, the background, and unlit surfaces, of which blended ones show the fraction that they cover.
+// What gives light by itself, the background, and unlit surfaces, of which blended ones show the fraction that they
+// cover.
 TEST(Terms, EmissionAndBackgroundShareAPixelByCoverage) {
   for (const Mode mode : {Mode::direct, Mode::path}) {
     SCOPED_TRACE(mode == Mode::path ? "path" : "direct");
@@ -239,8 +240,9 @@ TEST(Terms, ShadowIsTheMeanOverWhatIsSeen) {
   for (size_t i = 0; i < film.pixels(); ++i) EXPECT_NEAR(film.shadow(i), double(0.4f), 1e-12) << i;
 }
 
-// Under an endless roof at height h a direction meets it at h over its cosine: the fraction (h/R)^2 of the light by cosine
-// comes from beyond a radius R. A blended roof hides by its coverage, and in direct the sky's light follows the look.
+// Under an endless roof at height h a direction meets it at h over its cosine: the fraction (h/R)^2 of the light by
+// cosine comes from beyond a radius R. A blended roof hides by its coverage, and in direct the sky's light follows the
+// look.
 TEST(Terms, OcclusionIsTheShareThatNearSurfacesLeave) {
   constexpr double height = 6, radius = 8, strength = 0.8, radiance = 0.7;
   const double beyond = height * height / (radius * radius);

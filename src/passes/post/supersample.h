@@ -17,8 +17,8 @@ struct SupersampleKnobs {
 // with texture footprints of a pixel's n-th part, and their mean. That is a regular grid of n x n samples a pixel of
 // position, texture and shading under a box filter; it takes the place of multisampling. With `rows` the grid has n
 // columns and so many rows (4 by 2: eight samples), and footprints are as wide as the root of a sample's area. The pass
-// adds one picture to the mean of those before it. Leaves wrong: what varies within a sample's fraction of the pixel, as
-// 1/n to 1/n^2.
+// adds one picture to the mean of those before it. Leaves wrong: what varies within a sample's fraction of the pixel,
+// as 1/n to 1/n^2.
 struct Supersample {
   static constexpr std::string_view name = "supersample";
   using Knobs = SupersampleKnobs;

@@ -12,9 +12,9 @@ namespace candela {
 // blending multiplies and adds as the shader does.
 //
 // Steps: fragments are counted, the counts summed to places (exclusive prefix sums), and then, in rounds that each have
-// room for as many as half the memory, stored, sorted and blended; a 2x2 quad of pixels, which fractions derivatives, is
-// of one round. Where the rounds do not hold all, or half the memory not a quad, the frame is refused: the report says
-// how many there are, and with --transparency auto the frame is drawn again with as many rounds as it needs. Needs
+// room for as many as half the memory, stored, sorted and blended; a 2x2 quad of pixels, which fractions derivatives,
+// is of one round. Where the rounds do not hold all, or half the memory not a quad, the frame is refused: the report
+// says how many there are, and with --transparency auto the frame is drawn again with as many rounds as it needs. Needs
 // geometryShader (for gl_PrimitiveID), and VK_EXT_post_depth_coverage where multisampled.
 struct Fragments {
   static constexpr std::string_view name = "fragments", method = "layers";

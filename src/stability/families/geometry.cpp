@@ -96,8 +96,8 @@ void add_triangles(Recipes& all) {
   // Between samples by nearly all, hit by chance where rounding says so.
   add(all, "needles 1e-6 m wide", "400 of 10 m", [](GlbWriter& out, Rng& rng) { needles(out, rng, 1e-6); });
   add(all, "needles 3 mm wide", "400 of 10 m", [](GlbWriter& out, Rng& rng) { needles(out, rng, 3e-3); });
-  // What is interpolated over a triangle is a float's fraction of it off: half a millimetre here, from which the lamp is
-  // two metres away.
+  // What is interpolated over a triangle is a float's fraction of it off: half a millimetre here, from which the lamp
+  // is two metres away.
   add(all, "triangle of 1e4 m", "a plain under a lamp", [](GlbWriter& out, Rng&) {
     raw_node(out,
              raw_primitive(out, {{-1e4, -0.25, 1e4}, {1e4, -0.25, 1e4}, {0, -0.25, -1e4}},

@@ -22,5 +22,6 @@ void main() {
   begin_rays(v.relative_position, plane_normal);
   out_open = 1.0;
   if (HAS_OCCLUSION != 0 && (m.flags & material_unlit) == 0u)
-    out_open = occlusion_open(onto_triangle(v.relative_position, plane_normal, in_plane_position), plane_normal).fraction;
+    out_open =
+        occlusion_open(onto_triangle(v.relative_position, plane_normal, in_plane_position), plane_normal).fraction;
 }

@@ -1,6 +1,6 @@
 #version 460
-// One direction of a Gaussian over coarse texels; with depth_fraction less of those at other depths (Tomasi and Manduchi,
-// "Bilateral Filtering for Gray and Color Images", 1998, by depth).
+// One direction of a Gaussian over coarse texels; with depth_fraction less of those at other depths (Tomasi and
+// Manduchi, "Bilateral Filtering for Gray and Color Images", 1998, by depth).
 #include "shared/volumetric.h"
 layout(push_constant, scalar) uniform Push { VolumetricFilterPush pc; };
 #include "lib/bindless.glsl"

@@ -94,8 +94,8 @@ float ggx_dv(BrdfTerms b, vec3 h, float h_h, float n_l) {
   const float k = dot(nxh, nxh) + a * a;
   const float smith = n_l * b.smith_v + b.n_v * sqrt(n_l * n_l * (1.0 - b.alpha2) + b.alpha2) + 1e-7;
 #ifdef FACETS_DISC
-  // A stereographic projection takes the slopes of GGX evenly to the sphere, and discs to caps: their fraction is closed.
-  // With a disc of no size this is the line below.
+  // A stereographic projection takes the slopes of GGX evenly to the sphere, and discs to caps: their fraction is
+  // closed. With a disc of no size this is the line below.
   const float n_h2 = dot(b.normal, h) * dot(b.normal, h), disc = facets_disc * facets_disc * n_h2;
   const float off = k - disc, root = sqrt(off * off + 4.0 * a * a * disc);
   const float fraction = off > 0.0 ? 2.0 * b.alpha2 / (root + off) : 0.5 * (root - off) / max(disc * n_h2, 1e-30);

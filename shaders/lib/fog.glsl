@@ -38,8 +38,8 @@ vec4 fog_grid_light(vec2 at, int k) {
 
 vec3 fog_scattered(FogRay ray, vec2 ndc, float end_m) {
 #if FOG == 2
-  // Between two nodes light grows as the medium's fraction of what the slice scatters: exact where its source is constant,
-  // in slices of any thickness.
+  // Between two nodes light grows as the medium's fraction of the slice's scattering: exact where its source is
+  // constant, in slices of any thickness.
   const int last = int(frame.fog.nodes.z) - 1;
   const float place = log2(max(end_m / ray.along, 1e-30) / frame.fog.nearest_m) / frame.fog.log2_ratio;
   const int k = int(clamp(floor(place), -1.0, float(last - 1)));

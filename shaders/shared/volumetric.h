@@ -29,7 +29,7 @@ struct VolumetricFilterPush {
   uvec2 texels;
   uint down;  // along columns; otherwise along rows
   uint radius;
-  float deviation, depth_fraction;  // depth_fraction: of a depth, beyond which texels are of another surface; 0: all count
+  float deviation, depth_fraction;  // depth_fraction: of a depth: farther texels are another surface; 0: none
 };
 struct VolumetricCompositePush {
   uint64_t keys;  // in the place of depth

@@ -34,6 +34,8 @@ def whole(code):
     if not draw.balanced(code):
         return False
     code = code.strip()
+    if code.startswith("{") or re.match(r"(if|for|while|switch)\b", code) and not code.endswith((";", "}")):
+        return False
     if code.endswith(";"):
         return not re.match(r"(const|static|auto|bool|int|float|double|uint32_t|size_t)\b", code)
     return not re.match(r"[?:,]|.*[?:,]$", code, re.DOTALL) and not LONE_ASSIGNMENT.search(code)

@@ -22,10 +22,18 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 NEEDED = {"written": 60, "drawn": 40}
-SHARE = 0.95
+LEAST = 0.95
 # A shader that the fault keeps from compiling proves nothing of the tests.
 NOT_COMPILED = re.compile(r"\.(glsl|comp|frag|vert|rgen|rahit|rchit|rmiss|h):\d+(, included by [^']*)?: '")
 MEMORY_BYTES = 12 << 30
+
+
+def digest_of(faults):
+    """Of the faults and of the files that they are in."""
+    digest = hashlib.sha256(json.dumps([[f["name"], f["edit"]] for f in faults]).encode())
+    for name in sorted({edit["file"] for fault in faults for edit in fault["edit"]}):
+        digest.update((ROOT / name).read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def limit_memory():
@@ -140,55 +148,83 @@ def main():
     parser.add_argument("--build", type=Path, default=ROOT / "build/mutate")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--only", action="append", help="faults of this name (pattern), several times; no verdict on the whole")
-    parser.add_argument("--json", type=Path, help="where the results go")
+    parser.add_argument("--kind", action="append", choices=["written", "drawn", "shader"], help="faults of this kind alone, several times")
+    parser.add_argument("--json", type=Path, help="where the results go, after each fault; those in it of the same sources are not judged again")
+    parser.add_argument("--seconds", type=float, default=1e9, help="no fault is begun after this time; a run with the same --json goes on")
     options = parser.parse_args()
     options.build = options.build.resolve()
     faults = json.loads((options.build / "mutated/faults.json").read_text())
     if options.only:
         faults = [fault for fault in faults if any(fnmatch.fnmatch(fault["name"], only) for only in options.only)]
+    if options.kind:
+        faults = [fault for fault in faults if fault["kind"] in options.kind]
     if not faults:
         sys.exit("mutate: no such fault")
+    of_sources = digest_of(faults)
+    known = {}
+    if options.json and options.json.exists():
+        kept = json.loads(options.json.read_text())
+        if kept.get("sources") == of_sources:
+            known = {result["name"]: result for result in kept["faults"]}
     runner = Runner(options.build)
     printing = threading.Lock()
     start = time.monotonic()
     with ThreadPoolExecutor(options.jobs) as pool:
-        tests = sorted({test for fault in faults for test in fault["tests"]})
+        tests = sorted({test for fault in faults if fault["name"] not in known for test in fault["tests"]})
         wrong = [message for message in pool.map(runner.measure, tests) if message]
         if wrong:
             sys.exit("mutate: without a fault every test must pass\n" + "\n".join(wrong))
         print(f"mutate: {len(tests)} groups of tests pass without a fault ({time.monotonic() - start:.0f} s); {len(faults)} faults", flush=True)
+        results = []
+
+        def summarized():
+            """By kind and verdict, and the fraction that is caught of those that count; the file is written."""
+            def count(verdict, kind=None):
+                return sum(r["verdict"] == verdict and kind in (None, r["kind"]) for r in results)
+
+            summary = {kind: {verdict: count(verdict, kind) for verdict in ("caught", "survived", "equivalent", "invalid")}
+                       for kind in [*NEEDED, "shader"] if any(r["kind"] == kind for r in results)}
+            counted = count("caught") + count("survived")
+            fraction = count("caught") / counted if counted else 0
+            if options.json:
+                options.json.parent.mkdir(parents=True, exist_ok=True)
+                options.json.write_text(json.dumps({"sources": of_sources, "summary": summary, "share_caught": round(fraction, 4),
+                                                    "faults": results}, indent=1) + "\n")
+            return summary, counted, fraction
+
         def judge(fault):
-            result = runner.judge(fault)
+            result = known.get(fault["name"])
+            if not result:
+                if time.monotonic() - start > options.seconds:
+                    return
+                result = runner.judge(fault)
             with printing:
-                print(f"{result['verdict']:10} {result['name']:60} {result['by']}", flush=True)
-            return result
+                results.append(result)
+                summarized()
+                if fault["name"] not in known:
+                    print(f"{result['verdict']:10} {result['name']:60} {result['by']}", flush=True)
 
-        results = list(pool.map(judge, faults))
-
-    def count(verdict, kind=None):
-        return sum(r["verdict"] == verdict and kind in (None, r["kind"]) for r in results)
-
-    summary = {kind: {verdict: count(verdict, kind) for verdict in ("caught", "survived", "equivalent", "invalid")}
-               for kind in [*NEEDED, "shader"] if any(r["kind"] == kind for r in results)}
-    counted = count("caught") + count("survived")
-    share = count("caught") / counted if counted else 0
-    if options.json:
-        options.json.parent.mkdir(parents=True, exist_ok=True)
-        options.json.write_text(json.dumps({"summary": summary, "share_caught": round(share, 4), "faults": results}, indent=1) + "\n")
+        list(pool.map(judge, faults))
+    if not results:
+        sys.exit("mutate: the time is too short for a fault")
+    summary, counted, fraction = summarized()
     for kind, verdicts in summary.items():
         print(f"mutate: {kind}: " + ", ".join(f"{number} {verdict}" for verdict, number in verdicts.items()))
     for result in results:
         if result["verdict"] == "survived":
             print(f"mutate: survived: {result['name']} ({', '.join(result['places'])}) {result['by']}")
-    print(f"mutate: {100 * share:.1f} % of {counted} faults caught in {time.monotonic() - start:.0f} s")
-    if options.only:
-        return 0 if share >= SHARE else 1
+    print(f"mutate: {100 * fraction:.1f} % of {counted} faults caught in {time.monotonic() - start:.0f} s")
+    if len(results) < len(faults):
+        print(f"mutate: {len(faults) - len(results)} faults are left: run it again")
+        return 1
+    if options.only or options.kind:
+        return 0 if fraction >= LEAST else 1
     none = {"caught": 0, "survived": 0, "invalid": 0}
     short = [kind for kind, least in NEEDED.items() if summary.get(kind, none)["caught"] + summary.get(kind, none)["survived"] < least]
     if short or summary.get("written", none)["invalid"]:
         print(f"mutate: too few faults count: {', '.join(short) or 'a written one does not compile'}")
         return 1
-    return 0 if share >= SHARE else 1
+    return 0 if fraction >= LEAST else 1
 
 
 if __name__ == "__main__":

@@ -50,7 +50,8 @@ vec4 display_value(uvec2 p) {
     const vec3 a = unit(pcg3d(uvec3(p, pc.seed))), b = unit(pcg3d(uvec3(p, pc.seed ^ 0x9e3779b9u)));
     const vec3 room = min(c, 1.0 - c) * float(pc.dither_levels);
     const vec3 noise = mix(a - b, a - 0.5, lessThan(room, vec3(0.5))) * vec3(greaterThan(room, vec3(0.0)));
-    c += noise / float(pc.dither_levels);
+    // Rounded here: an H200 stores the upper code from 0.56 of the way on, which would bias the mean by 1/16 of a code.
+    c = floor((c + noise / float(pc.dither_levels)) * float(pc.dither_levels) + 0.5) / float(pc.dither_levels);
   }
   c = clamp(c, 0.0, 1.0);
   if (BEHIND == 0u) return vec4(c, alpha);

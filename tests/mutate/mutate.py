@@ -161,16 +161,18 @@ def main():
     if not faults:
         sys.exit("mutate: no such fault")
     of_sources = digest_of(faults)
-    known = {}
+    known, baseline_s = {}, {}
     if options.json and options.json.exists():
         kept = json.loads(options.json.read_text())
         if kept.get("sources") == of_sources:
             known = {result["name"]: result for result in kept["faults"]}
+            baseline_s = kept["baseline_s"]
     runner = Runner(options.build)
+    runner.baseline_s |= baseline_s  # tests that a run before this one saw to pass
     printing = threading.Lock()
     start = time.monotonic()
     with ThreadPoolExecutor(options.jobs) as pool:
-        tests = sorted({test for fault in faults if fault["name"] not in known for test in fault["tests"]})
+        tests = sorted({test for fault in faults if fault["name"] not in known for test in fault["tests"]} - set(baseline_s))
         wrong = [message for message in pool.map(runner.measure, tests) if message]
         if wrong:
             sys.exit("mutate: without a fault every test must pass\n" + "\n".join(wrong))
@@ -188,7 +190,7 @@ def main():
             fraction = count("caught") / counted if counted else 0
             if options.json:
                 options.json.parent.mkdir(parents=True, exist_ok=True)
-                options.json.write_text(json.dumps({"sources": of_sources, "summary": summary, "share_caught": round(fraction, 4),
+                options.json.write_text(json.dumps({"sources": of_sources, "baseline_s": runner.baseline_s, "summary": summary, "share_caught": round(fraction, 4),
                                                     "faults": results}, indent=1) + "\n")
             return summary, counted, fraction
 

@@ -131,7 +131,7 @@ class Schemas(unittest.TestCase):
         self.assertIn("error_findings", rows)
 
     def test_bench_suites(self):
-        self.run_program("bench", "--suite", "exactness", "--count", "1", "--techniques", "clustered,visibility", "--json",
+        self.run_program("bench", "--suite", "exactness", "--count", "1", "--techniques", "clustered,brute-force", "--json",
                          "exact.json")
         self.fits(self.read("exact.json"), "bench-exactness")
         self.run_program("bench", "--suite", "stability", "--only", "images/1x1,albedo above", "--techniques",

@@ -139,7 +139,7 @@ TEST_F(Shaders, PipelinesAreMadeOnceAndTheirCacheSurvivesDamage) {
                                                               .fragment_shader = "flat.frag",
                                                               .color_formats = {VK_FORMAT_R8G8B8A8_UNORM}}};
   for (int round = 0; round < 3; ++round) {
-    Bindless bindless(**device);
+    Bindless bindless(**device, 256u << round);  // layouts of its own, so that the device's store has none of them yet
     Pipelines pipelines(**device, bindless, glsl::ShaderCompiler(shader_folder(), folder), folder);
     PrepareTimes times;
     const auto first = pipelines.get(wanted, times);
@@ -163,6 +163,34 @@ TEST_F(Shaders, PipelinesAreMadeOnceAndTheirCacheSurvivesDamage) {
                            .get(std::vector<PipelineDesc>{ComputePipelineDesc{.shader = "none.comp"}}, times);
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().place, "none.comp");
+  EXPECT_EQ((*device)->validation_messages(), std::vector<std::string>{});
+}
+
+TEST_F(Shaders, PipelinesOutliveWhoMadeThem) {
+  const auto device = Device::open({.validate = true});
+  ASSERT_TRUE(device) << device.error().text();
+  constexpr uint32_t textures = 4096;  // as no other test of this program has
+  const std::vector<PipelineDesc> wanted{ComputePipelineDesc{.shader = "fill.comp"}};
+  const auto made = [&](const std::vector<PipelineDesc>& descs, const fs::path& sources) {
+    Bindless bindless(**device, textures);
+    Pipelines pipelines(**device, bindless, glsl::ShaderCompiler(sources), {});
+    PrepareTimes times;
+    EXPECT_TRUE(pipelines.get(descs, times));
+    return times.pipelines;
+  };
+  EXPECT_EQ(made(wanted, shader_folder()), 1);
+  EXPECT_EQ(made(wanted, shader_folder()), 0) << "the device's store has it";
+  // Another constant, and another text under the same name, are other pipelines.
+  EXPECT_EQ(made({ComputePipelineDesc{.shader = "fill.comp", .constants = {{7, "OTHER", 1}}}}, shader_folder()), 1);
+  std::string text;
+  std::getline(std::ifstream(shader_folder() / "fill.comp"), text, '\0');
+  std::ofstream(folder / "fill.comp") << text << "// changed\n";
+  EXPECT_EQ(made(wanted, folder), 1);
+  EXPECT_EQ(made(wanted, shader_folder()), 0);
+  // Of those that nobody uses only so many are kept.
+  for (uint32_t i = 0; i <= PipelineStore::most_idle; ++i)  // the last one is in use while it is kept
+    made({ComputePipelineDesc{.shader = "fill.comp", .constants = {{7, "OTHER", 100 + i}}}}, shader_folder());
+  EXPECT_EQ(made(wanted, shader_folder()), 1);
   EXPECT_EQ((*device)->validation_messages(), std::vector<std::string>{});
 }
 

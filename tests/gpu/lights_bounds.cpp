@@ -87,9 +87,10 @@ TEST_F(LightBoundsTest, NeverMissesAndWastesLittle) {
         ASSERT_GT(needed, 200u);
         if (perspective && ratio == 10) {
           const auto fraction = [&](int test) { return double(listed[test]) / double(needed); };
-          if (!spots) capsule_points = share(2);
+          if (!spots) capsule_points = fraction(2);
           if (spots)
-            aabb_spots = share(0), cone_sphere_spots = share(1), separate_spots = share(2), joint_spots = share(3);
+            aabb_spots = fraction(0), cone_sphere_spots = fraction(1), separate_spots = fraction(2),
+            joint_spots = fraction(3);
         }
       }
   RecordProperty("capsule_points", std::to_string(capsule_points));

@@ -228,10 +228,10 @@ TEST_F(TransparencyShadows, ALensGathersLight) {
           expected += interface_left / 1.04 * (h + 5e-4) * 1e-3 / (r * std::abs(after - before));
       before = after;
     }
-    EXPECT_NEAR(share(bent, x), expected, 0.1 * expected) << x;
+    EXPECT_NEAR(fraction(bent, x), expected, 0.1 * expected) << x;
   }
   float least = 1;
-  for (int x = 0; x < glass_width; ++x) least = std::min(least, share(bent, x));
+  for (int x = 0; x < glass_width; ++x) least = std::min(least, fraction(bent, x));
   EXPECT_LT(least, 0.2f);
 }
 

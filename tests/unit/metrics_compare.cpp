@@ -81,6 +81,24 @@ TEST(Compare, SsimAgreesWithBruteForce) {
   EXPECT_NEAR(compare(a, b, {}).metrics.at("ssim"), brute_force_ssim(a, b), 1e-5);
 }
 
+// Of colours, and of what has luminance alone, which is grey.
+TEST(Compare, HdrFlipIsOfTheColoursThatAreThere) {
+  const CompareOptions options{.encoding = Encoding::linear, .hdr_flip = HdrFlipChoice{}};
+  const FloatImage a = noise(13, 11, 3);
+  EXPECT_EQ(compare(a, a, options).metrics.at("hdr-flip"), 0);
+  FloatImage darker = a;
+  for (Channel& channel : darker.channels)
+    for (float& v : channel.f) v *= 0.5f;
+  EXPECT_GT(compare(a, darker, options).metrics.at("hdr-flip"), 0.05);
+  const auto grey_of = [](const FloatImage& image, std::initializer_list<const char*> names) {
+    FloatImage grey{.width = image.width, .height = image.height};
+    for (const char* name : names) grey.channels.push_back({name, ChannelType::float32, image.channels[0].f, {}});
+    return grey;
+  };
+  EXPECT_EQ(compare(grey_of(a, {"Y"}), grey_of(darker, {"Y"}), options).metrics.at("hdr-flip"),
+            compare(grey_of(a, {"R", "G", "B"}), grey_of(darker, {"R", "G", "B"}), options).metrics.at("hdr-flip"));
+}
+
 TEST(Compare, EqualImages) {
   const FloatImage a = noise(7, 6, 3);  // smaller than the window of SSIM
   const Comparison result = compare(a, a, {});

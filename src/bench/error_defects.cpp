@@ -1,3 +1,4 @@
+#include "base/text.h"
 #include "bench/error_analysis.h"
 
 // error_defects() of error_analysis.h.

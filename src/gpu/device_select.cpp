@@ -1,5 +1,6 @@
 #include "gpu/device_select.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cstring>
 

@@ -1,5 +1,6 @@
 #include "base/text.h"
 #include "bench/error_analysis.h"
+#include "bench/error_truth.h"
 
 // error_defects() of error_analysis.h.
 namespace candela {

@@ -34,6 +34,6 @@ void main() {
       all += weight;
       arriving += weight * light_visibility(light, i, v.relative_position, plane_normal);
     }
-    if (arriving < all) out_visibility = arriving / all;  // a quotient of equals may round to no 1
+    if (all > 0.0) out_visibility = arriving == all ? 1.0 : arriving / all;  // a device may round x / x
   }
 }

@@ -35,7 +35,8 @@ void main() {
         if (is_bent) bent += w * o.x * normal_at_place(o.zw);
         weights += w;
       }
-    open = weights > 0.0 ? (sum < weights ? max(sum / weights, 0.0) : 1.0) : middle.x;  // 1 is not rounded
+    if (weights > 0.0) open = sum == weights ? 1.0 : clamp(sum / weights, 0.0, 1.0);  // a device may round x / x
+    else open = middle.x;
     if (is_bent && length(bent) > 1e-6) bent_place = place_of_normal(normalize(bent));
   }
   imageStore(storage_images[pc.smooth_open], texel, vec4(open, middle.y, bent_place));

@@ -36,7 +36,7 @@ void main() {
       all += weight;
       arriving += weight * light_visibility(light, i, v.relative_position, plane_normal);
     }
-    if (arriving < all) out_visibility = arriving / all;  // a quotient of equals may round to no 1
+    if (all > 0.0) out_visibility = arriving == all ? 1.0 : arriving / all;  // a device may round x / x
     if (SUNS_TRACED) return;
     const uint cascade = find_cascade(0u, v.relative_position).number;
     out_cascade = cascade == max_sun_cascades ? 0.0 : float(cascade + 1u);

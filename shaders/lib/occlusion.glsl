@@ -39,7 +39,7 @@ Openness occlusion_open(vec3 relative, vec3 plane_normal) {
     if (OCCLUSION_IS_BENT) bent += w * tap.x * normal_at_place(tap.zw);
   }
   if (weights > 1e-3)
-    return Openness(sum < weights ? max(sum / weights, 0.0) : 1.0, bent_in_world(bent, plane_normal));
+    return Openness(sum == weights ? 1.0 : clamp(sum / weights, 0.0, 1.0), bent_in_world(bent, plane_normal));
   float least = 3e38, open = 1.0;
   for (int y = -1; y <= 2; ++y)
     for (int x = -1; x <= 2; ++x) {

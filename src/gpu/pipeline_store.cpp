@@ -64,18 +64,19 @@ const PipelineLayout& PipelineStore::layout(uint32_t textures, uint32_t samplers
   PipelineLayout& made = layouts_[{textures, samplers}];
   if (made.handle) return made;
   made.textures = textures, made.samplers = samplers;
+  // What a call that failed half-way left is taken up.
   for (uint32_t i = 0; i < SAMPLER_COUNT; ++i) {
+    if (made.graph_samplers[i]) continue;
     const VkSamplerCreateInfo sampler = graph_sampler(i);
     VK_CHECK(vkCreateSampler(device_, &sampler, nullptr, &made.graph_samplers[i]));
   }
   const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, textures},
                                         {VK_DESCRIPTOR_TYPE_SAMPLER, samplers}};
   // Textures are added while frames that do not use them are on the device.
-  made.set = make_set_layout(
-      device_, sizes,
-      VK_DESCRIPTOR_BINDING_UPDATE_AFTER_BIND_BIT | VK_DESCRIPTOR_BINDING_UPDATE_UNUSED_WHILE_PENDING_BIT,
-      made.graph_samplers);
-  made.pass_set = make_set_layout(device_, Bindless::pass_sizes, 0);
+  constexpr VkDescriptorBindingFlags added_later =
+      VK_DESCRIPTOR_BINDING_UPDATE_AFTER_BIND_BIT | VK_DESCRIPTOR_BINDING_UPDATE_UNUSED_WHILE_PENDING_BIT;
+  if (!made.set) made.set = make_set_layout(device_, sizes, added_later, made.graph_samplers);
+  if (!made.pass_set) made.pass_set = make_set_layout(device_, Bindless::pass_sizes, 0);
   const VkPushConstantRange range{VK_SHADER_STAGE_ALL, 0, 128};
   VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
   const VkDescriptorSetLayout layouts[] = {made.set, made.pass_set};

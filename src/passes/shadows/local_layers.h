@@ -1,5 +1,5 @@
 #pragma once
-#include "passes/shared/draw_batches.h"
+#include "passes/shadows/shadow_layer_inputs.h"
 #include "passes/shared/pass.h"
 
 namespace candela {
@@ -11,12 +11,7 @@ struct LocalLayers {
   static constexpr std::string_view name = "local_layers";
   static constexpr LayerName layers[1] = {
       {"shadow_local", "the fraction of point and spot lights' light that arrives", LayerForm::fraction}};
-  struct In {
-    SceneInputs scene;
-    Draws draws;
-    BufferHandle deformed;  // optional
-    Lighting lists;         // for the maps
-  };
+  using In = ShadowLayerInputs;
   struct Out {
     ImageHandle image;
     NearestSurface drawn;

@@ -1,5 +1,5 @@
 #pragma once
-#include "passes/shared/draw_batches.h"
+#include "passes/shadows/shadow_layer_inputs.h"
 #include "passes/shared/pass.h"
 
 namespace candela {
@@ -13,12 +13,7 @@ struct SunLayers {
   static constexpr LayerName layers[2] = {
       {"shadow_sun", "the fraction of the directional lights' light that arrives", LayerForm::fraction},
       {"debug_cascades", "which cascade of shadow maps the point takes; 0: none", LayerForm::count}};
-  struct In {
-    SceneInputs scene;
-    Draws draws;
-    BufferHandle deformed;  // optional
-    Lighting lists;         // for the maps
-  };
+  using In = ShadowLayerInputs;
   struct Out {
     std::array<ImageHandle, 2> images;
     NearestSurface drawn;

@@ -43,7 +43,7 @@ class PipelineStore {
   // Takes it over, destroys it when it is not kept any more, and gives what is kept under the key: another thread may
   // have been quicker. Of those that nobody uses the ones used last stay, `most_idle` at most.
   std::shared_ptr<const Pipeline> insert(const std::string& key, Pipeline made);
-  static constexpr size_t most_idle = 256;
+  static constexpr size_t most_idle = 64;
 
  private:
   struct Entry {

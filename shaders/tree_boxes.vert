@@ -12,13 +12,17 @@ struct Box {
   bool is_leaf;
 };
 uint64_t node_at(TraceScene s, uint node) {
-  return pc.trees + uint64_t(s.nodes) * trace_table_align + 224ul * uint64_t(node);
+  return pc.trees + uint64_t(s.nodes) * trace_table_align + 96ul * uint64_t(node);
 }
 Box child_box(uint64_t node, uint lane, uint child) {
   Box b;
+  const vec4 head = TraceVec4Ref(node).v;
   for (int a = 0; a < 3; ++a) {
-    b.low[a] = TraceFloatRef(node + 64ul * uint64_t(a) + 4ul * lane).f;
-    b.high[a] = TraceFloatRef(node + 64ul * uint64_t(a) + 32ul + 4ul * lane).f;
+    const float step_m = uintBitsToFloat((floatBitsToUint(head.w) >> 8 * a & 255u) << 23u);
+    const uvec4 rows = TraceUvec4Ref(node + 16ul + 16ul * uint64_t(a)).v;
+    const uint shift = 8u * (lane & 3u);
+    b.low[a] = head[a] + step_m * float(rows[lane / 4u] >> shift & 255u);
+    b.high[a] = head[a] + step_m * float(rows[2u + lane / 4u] >> shift & 255u);
   }
   b.is_leaf = pc.holds_instances == 0u && (child & trace_leaf_bit) != 0u;
   return b;
@@ -31,14 +35,14 @@ void main() {
   bool drawn = true;
   if (inner < pc.nodes) {
     const uint64_t node = node_at(s, pc.first_node + inner);
-    const uint child = TraceUintRef(node + 192ul + 4ul * uint64_t(number % 8u)).u;
+    const uint child = TraceUintRef(node + 64ul + 4ul * uint64_t(number % 8u)).u;
     drawn = child != no_trace;
     box = child_box(node, number % 8u, child);
   } else {
     const uint64_t node = node_at(s, pc.first_node);
     box = Box(vec3(3e38), vec3(-3e38), false);
     for (uint lane = 0u; lane < 8u; ++lane) {
-      const uint child = TraceUintRef(node + 192ul + 4ul * uint64_t(lane)).u;
+      const uint child = TraceUintRef(node + 64ul + 4ul * uint64_t(lane)).u;
       if (child == no_trace) continue;
       const Box part = child_box(node, lane, child);
       box.low = min(box.low, part.low);

@@ -1,8 +1,9 @@
 #pragma once
 // Rays against the frame's triangles: the trees of bvh/wide_tree.h in storage buffers, for any device. Same hits as the
-// CPU's (bvh/trace_kernel.h), for the operations are the same: slabs after Ize, "Robust BVH Ray Traversal", 2013;
-// triangles after Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013, whose edge functions are made anew
-// in twice the precision where they are zero. Which candidates count is what src/reference/visibility.cpp says: holes
+// CPU's (bvh/trace_kernel.h): boxes hold those of the CPU, and triangles are tested by the same operations, after Woop,
+// Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013, whose edge functions are made anew in twice the
+// precision where they are zero. Nodes are packed and their children ordered by the ray's octant, after Ylitie, Karras,
+// Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017. Which candidates count is what src/reference/visibility.cpp says: holes
 // of masks never, backs always, what glows all over not on the way to a lamp (src/scene/glow.h).
 //
 // lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch, and for
@@ -25,7 +26,7 @@ struct TraceHit {
   float t, u, v;  // u, v: weights of the second and third corner
   uint item, primitive;
   uint back;      // 1: the ray meets the side that glTF calls the back
-  uint place;     // four times its block, plus its lane
+  uint place;     // of the triangle in its table
   uint instance;  // no_trace: of the world tree
 };
 const TraceHit TRACE_NOTHING = TraceHit(0.0, 0.0, 0.0, 0u, 0u, 0u, 0u, no_trace);
@@ -34,11 +35,12 @@ const TraceHit TRACE_NOTHING = TraceHit(0.0, 0.0, 0.0, 0u, 0u, 0u, 0u, no_trace)
 // all; what `passed` names and what lies before it counts no more; surfaces that refract count too.
 const uint TRACE_ANY = 1u, TRACE_TO_LAMP = 2u, TRACE_LOCATE = 4u, TRACE_PASSED = 8u, TRACE_GLASS = 16u;
 const float TRACE_FAR = 3.0e38;
-// Of slabs: what rounding does, and how far a triangle's t may lie before its box's.
-const float TRACE_SLACK = 1.000001;
+// Of slabs, as a fraction of how far a node reaches from the ray's origin: what rounding does, and how far a triangle's
+// t may lie before its box's.
+const float TRACE_SLACK = 1.5e-6;
 const float TRACE_SMALLEST = 1e-20, TRACE_LARGEST = 1e30;  // edge functions in floats lose digits beyond
-// A direction's component below this is none: what lies in the slab's plane is in the slab.
-const float TRACE_NONE = 1e-30, TRACE_SLAB_SCALE = 1e36, TRACE_SLAB_MARGIN = 1e30;
+// Slabs that the ray runs along, or nearly, would be met out of the range of floats: they are met as if there.
+const float TRACE_FARTHEST_SLAB = 1e36;
 
 #ifdef TRACE_COUNTS
 uint trace_nodes = 0u, trace_triangles = 0u;  // entered and tested so far
@@ -46,10 +48,9 @@ uint trace_nodes = 0u, trace_triangles = 0u;  // entered and tested so far
 
 // A ray as a tree's boxes and triangles take it.
 struct TraceFrame {
-  vec3 origin, inverse, inverse_far;  // far: widened
-  vec3 margin;                        // of slabs that the ray runs along
-  uvec3 low_row;                      // first vector of the nearer bound, for each axis; the farther is its neighbour
-  uvec3 axis;                         // x, y, z of the sheared space
+  vec3 origin, inverse;
+  uint octant;  // bit a: the ray does not go towards minus on axis a
+  uvec3 axis;   // x, y, z of the sheared space
   float sx, sy, sz;
 };
 
@@ -57,19 +58,13 @@ TraceFrame trace_frame(vec3 origin, vec3 d) {
   TraceFrame f;
   f.origin = origin;
   const vec3 size = abs(d);
-  for (int a = 0; a < 3; ++a) {
-    const bool none = size[a] < TRACE_NONE;
-    const float inverse = none ? TRACE_SLAB_SCALE : rounded_quotient(1.0, d[a]);
-    f.inverse[a] = inverse;
-    f.inverse_far[a] = inverse * TRACE_SLACK;
-    f.margin[a] = none ? TRACE_SLAB_MARGIN : 0.0;
-    f.low_row[a] = uint(4 * a) + (!none && d[a] < 0.0 ? 2u : 0u);
-  }
+  f.octant = (d.x < 0.0 ? 0u : 1u) | (d.y < 0.0 ? 0u : 2u) | (d.z < 0.0 ? 0u : 4u);
+  for (int a = 0; a < 3; ++a) f.inverse[a] = size[a] > 1e-37 ? 1.0 / d[a] : TRACE_FAR;
   f.axis.z = size.x > size.y ? (size.x > size.z ? 0u : 2u) : (size.y > size.z ? 1u : 2u);
   f.axis.x = f.axis.z == 2u ? 0u : f.axis.z + 1u;
   f.axis.y = f.axis.x == 2u ? 0u : f.axis.x + 1u;
   if (d[f.axis.z] < 0.0) f.axis.xy = f.axis.yx;  // keeps the winding
-  f.sz = f.inverse[f.axis.z];
+  f.sz = rounded_quotient(1.0, d[f.axis.z]);
   f.sx = d[f.axis.x] * f.sz;
   f.sy = d[f.axis.y] * f.sz;
   return f;
@@ -82,13 +77,12 @@ uint64_t trace_entry(uint begin, uint end, uint64_t bytes, uint entry) {
   const uint64_t size = uint64_t(end - begin) * trace_table_align;
   return TRACE_ADDRESS + uint64_t(begin) * trace_table_align + (offset + bytes <= size ? offset : 0ul);
 }
-uint64_t trace_node(TraceScene s, uint node) { return trace_entry(s.nodes, s.blocks, 224ul, node); }
-uint64_t trace_block_of(TraceScene s, uint block) { return trace_entry(s.blocks, s.triangles, 160ul, block); }
-TraceTriangle trace_triangle(TraceScene s, uint triangle) {
-  return TraceTriangleRef(trace_entry(s.triangles, s.items, 8ul, triangle)).t;
+uint64_t trace_node(TraceScene s, uint node) { return trace_entry(s.nodes, s.triangles, 96ul, node); }
+TraceTriangle trace_triangle(TraceScene s, uint place) {
+  return TraceTriangleRef(trace_entry(s.triangles, s.items, 48ul, place)).t;
 }
 TraceItem trace_item(TraceScene s, uint item) {
-  return TraceItemRef(trace_entry(s.items, s.instances, 16ul, item)).i;
+  return TraceItemRef(trace_entry(s.items, s.instances, 12ul, item)).i;
 }
 TraceInstance trace_instance(TraceScene s, uint instance) {
   return TraceInstanceRef(trace_entry(s.instances, s.corners, 152ul, instance)).i;
@@ -98,25 +92,37 @@ TraceCorners trace_corners(TraceScene s, uint corners) {
 }
 vec4 trace_vec4(uint64_t at) { return TraceVec4Ref(at).v; }
 
-// Whether the ray meets the boxes of four children, and from where on.
-bvec4 trace_boxes(uint64_t node, uint quad, TraceFrame f, float t_min, float t_max, out vec4 near) {
-  near = vec4(t_min);
-  vec4 far = vec4(t_max * TRACE_SLACK);
+vec4 trace_bytes(uint word) { return vec4(uvec4(word, word >> 8u, word >> 16u, word >> 24u) & 255u); }
+
+// The children whose boxes the ray meets: a bit each, the first to be visited highest.
+uint trace_children(uint64_t node, TraceFrame f, float t_min, float t_max) {
+  const vec4 head = trace_vec4(node);
+  const uint steps = floatBitsToUint(head.w);
+  const vec3 step_m = uintBitsToFloat((uvec3(steps, steps >> 8u, steps >> 16u) & 255u) << 23u);
+  vec4 near0 = vec4(t_min), near1 = near0, far0 = vec4(t_max), far1 = far0;
   for (int a = 0; a < 3; ++a) {
-    const uint row = f.low_row[a] + quad;
-    const vec4 low = trace_vec4(node + 16ul * row), high = trace_vec4(node + 16ul * (row ^ 2u));
-    near = max((low - f.origin[a]) * f.inverse[a] - f.margin[a], near);
-    far = min((high - f.origin[a]) * f.inverse_far[a] + f.margin[a], far);
+    const float from = head[a] - f.origin[a], reach = abs(from) + 256.0 * step_m[a];
+    float inverse = f.inverse[a];
+    if (!(reach * abs(inverse) < TRACE_FARTHEST_SLAB))
+      inverse = (inverse < 0.0 ? -TRACE_FARTHEST_SLAB : TRACE_FARTHEST_SLAB) / reach;
+    const float width = step_m[a] * inverse, begin = from * inverse, margin = TRACE_SLACK * reach * abs(inverse);
+    const uvec4 rows = TraceUvec4Ref(node + 16ul + 16ul * uint64_t(a)).v;
+    const uvec4 row = (f.octant >> a & 1u) != 0u ? rows : rows.zwxy;
+    near0 = max(trace_bytes(row.x) * width + (begin - margin), near0);
+    near1 = max(trace_bytes(row.y) * width + (begin - margin), near1);
+    far0 = min(trace_bytes(row.z) * width + (begin + margin), far0);
+    far1 = min(trace_bytes(row.w) * width + (begin + margin), far1);
   }
-  return lessThanEqual(near, far);
-}
-// From where on the ray is in the box of one child.
-float trace_box(uint64_t node, uint child, TraceFrame f) {
-  float near = -TRACE_FAR;
-  for (int a = 0; a < 3; ++a)
-    near = max((TraceFloatRef(node + 16ul * f.low_row[a] + 4ul * child).f - f.origin[a]) * f.inverse[a] - f.margin[a],
-        near);
-  return near;
+  uint met = 0u;
+  for (uint i = 0u; i < 4u; ++i) {
+    met |= near0[i] <= far0[i] ? 1u << i : 0u;
+    met |= near1[i] <= far1[i] ? 16u << i : 0u;
+  }
+  met &= steps >> 24u;
+  // Child c goes to bit c ^ octant.
+  met = (f.octant & 1u) != 0u ? (met & 0x55u) << 1u | (met >> 1u & 0x55u) : met;
+  met = (f.octant & 2u) != 0u ? (met & 0x33u) << 2u | (met >> 2u & 0x33u) : met;
+  return (f.octant & 4u) != 0u ? (met & 0x0fu) << 4u | met >> 4u : met;
 }
 
 // Of the base colour at a hit: what it covers. Level 0 of the texture, as the reference reads it.
@@ -155,10 +161,11 @@ struct TraceState {
   bool found;
 };
 
-// Whether a triangle that the ray meets at h is there for it.
-bool trace_counts(TraceScene s, TraceHit h, uint mode, TraceHit passed) {
+// Whether a triangle that the ray meets at h is there for it. asked: whether its item may have something against it.
+bool trace_counts(TraceScene s, TraceHit h, bool asked, uint mode, TraceHit passed) {
   if ((mode & TRACE_LOCATE) != 0u) return true;
   if ((mode & TRACE_PASSED) != 0u && trace_is_passed(h, passed)) return false;
+  if (!asked) return true;
   const TraceItem item = trace_item(s, h.item);
   if ((item.flags & trace_refracts) != 0u && (mode & TRACE_GLASS) == 0u) return false;
   if ((mode & TRACE_TO_LAMP) != 0u && (item.flags & trace_glows) != 0u) return false;
@@ -166,7 +173,7 @@ bool trace_counts(TraceScene s, TraceHit h, uint mode, TraceHit passed) {
 }
 
 // A triangle that the ray meets at h, within its limits. True: the search ends.
-bool trace_accept(TraceScene s, TraceHit h, uint mode, TraceHit passed, inout TraceState state) {
+bool trace_accept(TraceScene s, TraceHit h, bool asked, uint mode, TraceHit passed, inout TraceState state) {
   const float off = abs(h.t - 1.0);
   if (state.found) {
     const float best = state.best.t, best_off = abs(best - 1.0);
@@ -176,7 +183,7 @@ bool trace_accept(TraceScene s, TraceHit h, uint mode, TraceHit passed, inout Tr
         (h.item > state.best.item || (h.item == state.best.item && h.primitive >= state.best.primitive)))
       return false;
   }
-  if (!trace_counts(s, h, mode, passed)) return false;
+  if (!trace_counts(s, h, asked, mode, passed)) return false;
   if ((mode & TRACE_LOCATE) == 0u) {
     state.t_max = h.t;
   } else {
@@ -215,37 +222,30 @@ bool trace_exactly(vec2 a, vec2 b, vec2 c, vec3 z, TraceState state, inout Trace
   return true;
 }
 
-// Four triangles as the ray sees them: corners sheared, their z along the ray, and edge functions.
-struct TraceLanes {
-  vec4 x[3], y[3], z[3], u, v, w;
-};
-TraceLanes trace_lanes(uint64_t block, TraceFrame f) {
-  TraceLanes l;
-  for (int k = 0; k < 3; ++k) {
-    const uint64_t corner = block + uint64_t(48 * k);
-    precise vec4 dz = trace_vec4(corner + 16ul * f.axis.z) - f.origin[f.axis.z];
-    precise vec4 dx = (trace_vec4(corner + 16ul * f.axis.x) - f.origin[f.axis.x]) - f.sx * dz;
-    precise vec4 dy = (trace_vec4(corner + 16ul * f.axis.y) - f.origin[f.axis.y]) - f.sy * dz;
-    precise vec4 along = f.sz * dz;
-    l.x[k] = dx, l.y[k] = dy, l.z[k] = along;
-  }
-  precise vec4 u = l.x[2] * l.y[1] - l.y[2] * l.x[1];
-  precise vec4 v = l.x[0] * l.y[2] - l.y[0] * l.x[2];
-  precise vec4 w = l.x[1] * l.y[0] - l.y[1] * l.x[0];
-  l.u = u, l.v = v, l.w = w;
-  return l;
+// A corner as the ray sees it: sheared, its z along the ray.
+vec3 trace_corner(vec3 corner, TraceFrame f) {
+  const vec3 p = corner - f.origin;
+  const float z = f.axis.z == 0u ? p.x : f.axis.z == 1u ? p.y : p.z;
+  const float x = f.axis.x == 0u ? p.x : f.axis.x == 1u ? p.y : p.z;
+  const float y = f.axis.y == 0u ? p.x : f.axis.y == 1u ? p.y : p.z;
+  precise vec3 seen;
+  seen.x = x - f.sx * z;
+  seen.y = y - f.sy * z;
+  seen.z = f.sz * z;
+  return seen;
 }
-// Whether the ray meets one of them within the limits, and where.
-bool trace_lane(TraceLanes l, uint lane, TraceState state, inout TraceHit h) {
-  const float u = l.u[lane], v = l.v[lane], w = l.w[lane];
-  const vec3 z = vec3(l.z[0][lane], l.z[1][lane], l.z[2][lane]);
+// Whether the ray meets a triangle within the limits, and where.
+bool trace_test(TraceTriangle triangle, TraceFrame f, TraceState state, inout TraceHit h) {
+  const vec3 a = trace_corner(triangle.a, f), b = trace_corner(triangle.b, f), c = trace_corner(triangle.c, f);
+  precise float u = c.x * b.y - c.y * b.x;
+  precise float v = a.x * c.y - a.y * c.x;
+  precise float w = b.x * a.y - b.y * a.x;
   if (min(min(u, v), w) < 0.0 && max(max(u, v), w) > 0.0) return false;
   precise float sum = (u + v) + w;
   const float smallest = min(min(abs(u), abs(v)), abs(w)), size = abs(sum);
   if (!(smallest > 0.0 && size >= TRACE_SMALLEST && size <= TRACE_LARGEST))
-    return trace_exactly(vec2(l.x[0][lane], l.y[0][lane]), vec2(l.x[1][lane], l.y[1][lane]),
-        vec2(l.x[2][lane], l.y[2][lane]), z, state, h);
-  precise float t = ((u * z.x + v * z.y) + w * z.z) / sum;
+    return trace_exactly(a.xy, b.xy, c.xy, vec3(a.z, b.z, c.z), state, h);
+  precise float t = ((u * a.z + v * b.z) + w * c.z) / sum;
   if (!(t >= state.t_min && t <= state.t_max)) return false;
   h.t = t;
   h.u = v / sum;
@@ -254,36 +254,24 @@ bool trace_lane(TraceLanes l, uint lane, TraceState state, inout TraceHit h) {
   return true;
 }
 
-// The four triangles of a block. True: the search ends.
-bool trace_block(TraceScene s, uint block, uint instance, TraceFrame f, uint mode, TraceHit passed,
-                 inout TraceState state) {
-  const uint64_t at = trace_block_of(s, block);
+// A triangle of the trees. True: the search ends.
+bool trace_place(TraceScene s, uint place, TraceTriangle triangle, uint instance, TraceFrame f, uint mode,
+                 TraceHit passed, inout TraceState state) {
 #ifdef TRACE_COUNTS
-  const uvec4 ids = TraceUvec4Ref(at + 144ul).v;
-  for (uint lane = 0u; lane < 4u; ++lane) trace_triangles += ids[lane] != no_trace ? 1u : 0u;
+  ++trace_triangles;
 #endif
-  const TraceLanes l = trace_lanes(at, f);
-  const vec4 least = min(min(l.u, l.v), l.w), largest = max(max(l.u, l.v), l.w);
-  if (all(lessThan(least, vec4(0.0))) && all(greaterThan(largest, vec4(0.0)))) return false;
-  const uvec4 id = TraceUvec4Ref(at + 144ul).v;
-  for (uint lane = 0u; lane < 4u; ++lane) {
-    TraceHit h = TRACE_NOTHING;
-    if (id[lane] == no_trace || !trace_lane(l, lane, state, h)) continue;
-    h.place = 4u * block + lane;
-    h.instance = instance;
-    if (instance == no_trace) {
-      h.item = trace_triangle(s, id[lane]).item;
-      const TraceItem item = trace_item(s, h.item);
-      h.primitive = id[lane] - item.first;
-      if ((item.flags & trace_mirrored) != 0u) h.back ^= 1u;
-    } else {
-      // A mirroring transform turns corners and sight alike.
-      h.item = trace_instance(s, instance).item;
-      h.primitive = id[lane];
-    }
-    if (trace_accept(s, h, mode, passed, state)) return true;
-  }
-  return false;
+  TraceHit h = TRACE_NOTHING;
+  if (!trace_test(triangle, f, state, h)) return false;
+  h.place = place;
+  h.instance = instance;
+  h.primitive = triangle.primitive;
+  // A mirroring transform of an instance turns corners and sight alike.
+  uint item = triangle.item;
+  if (instance != no_trace) item = trace_instance(s, instance).item;
+  h.item = item & ~trace_asked;
+  const bool asked = (item & trace_asked) != 0u;
+  if (instance == no_trace && asked && (trace_item(s, h.item).flags & trace_mirrored) != 0u) h.back ^= 1u;
+  return trace_accept(s, h, asked, mode, passed, state);
 }
 
 // Into mesh space, rounded once.
@@ -314,93 +302,87 @@ bool trace_enter(TraceInstance i, TraceRay ray, out TraceFrame f) {
 #if defined(TRACE_QUERY) || defined(TRACE_RAYGEN) || defined(TRACE_HIT)
 #include "lib/trace_device.glsl"
 #else
-// Through the trees, one node at a time.
+// Through the trees.
 void trace_search(TraceScene s, TraceRay ray, uint mode, TraceHit passed, inout TraceState state) {
   TraceFrame f = trace_frame(ray.origin, ray.direction);
-  uvec2 stack[TRACE_STACK];  // of a node: the children left, nearest lowest, three bits each, and above them how many.
-                             // Of a leaf of instances: how many are left
+  uvec2 stack[TRACE_STACK];  // a node, and a bit for each child left; or a leaf of instances, and how many are left
   uint top = 0u, base = 0u;  // base: the stack of the instance's tree begins there
   uint instance = no_trace;
-  bool in_top = s.world_root == no_trace;
-  uint child = in_top ? s.top_root : s.world_root;
-  if (child == no_trace) return;
-  child = child == no_trace ? 0u : child;
+  bool in_top = false;
+  uint node = s.world_root, left = 0u;
+  if (node != no_trace) {
+    left = trace_children(trace_node(s, node), f, state.t_min, state.t_max);
+#ifdef TRACE_COUNTS
+    ++trace_nodes;
+#endif
+  }
   while (true) {
-    if ((child & trace_leaf_bit) == 0u) {
-      const uint64_t node = trace_node(s, child);
+    // To the next leaf.
+    uint leaf = no_trace;
+    while (true) {
+      if (left == 0u) {
+        if (top == base) break;
+        --top;
+        node = stack[top].x;
+        left = stack[top].y;
+      }
+      if ((node & trace_leaf_bit) != 0u) break;
+      const uint bit = uint(findMSB(left));
+      left ^= 1u << bit;
+      const uint child = TraceUintRef(trace_node(s, node) + 64ul + 4ul * uint64_t((bit ^ f.octant) & 7u)).u;
+      if ((child & trace_leaf_bit) != 0u) {
+        leaf = child;
+        break;
+      }
+      if (left != 0u) stack[top++] = uvec2(node, left);
+      node = child;
+      left = trace_children(trace_node(s, node), f, state.t_min, state.t_max);
 #ifdef TRACE_COUNTS
       ++trace_nodes;
 #endif
-      vec4 near0, near1;
-      const bvec4 met0 = trace_boxes(node, 0u, f, state.t_min, state.t_max, near0);
-      const bvec4 met1 = trace_boxes(node, 1u, f, state.t_min, state.t_max, near1);
-      uint order = 0u, count = 0u;
-      float near[8] = float[8](near0.x, near0.y, near0.z, near0.w, near1.x, near1.y, near1.z, near1.w);
-      bool met[8] = bool[8](met0.x, met0.y, met0.z, met0.w, met1.x, met1.y, met1.z, met1.w);
-      for (uint i = 0u; i < 8u; ++i) {
-        if (!met[i]) continue;
-        uint before = 0u;
-        for (uint j = 0u; j < 8u; ++j)
-          before += met[j] && (near[j] < near[i] || (near[j] == near[i] && j < i)) ? 1u : 0u;
-        order |= i << (3u * before);
-        ++count;
+    }
+    uint root = no_trace;  // of the tree that is entered next
+    if (leaf != no_trace) {
+      const uint first = leaf & ((1u << trace_leaf_shift) - 1u);
+      const uint count = ((leaf & ~trace_leaf_bit) >> trace_leaf_shift) + 1u;
+      if (!in_top || instance != no_trace) {
+        for (uint place = trace_block * first; place < trace_block * (first + count); ++place) {
+          const TraceTriangle triangle = trace_triangle(s, place);
+          if (triangle.item == no_trace) break;
+          if (trace_place(s, place, triangle, instance, f, mode, passed, state)) return;
+        }
+        continue;
       }
-      if (count > 0u) stack[top++] = uvec2(child, order | count << 24);
+      if (left != 0u) stack[top++] = uvec2(node, left);
+      node = leaf;
+      left = count;
+    }
+    if (left != 0u) {  // of instances
+      const uint entered = (node & ((1u << trace_leaf_shift) - 1u)) + --left;
+      if (left != 0u) stack[top++] = uvec2(node, left);
+      left = 0u;
+      const TraceInstance i = trace_instance(s, entered);
+      TraceFrame entering;
+      if (!trace_enter(i, ray, entering)) continue;
+      instance = entered;
+      base = top;
+      f = entering;
+      root = i.root;  // never none: of empty trees there is no instance
+    } else if (instance != no_trace) {  // which is done
+      instance = no_trace;
+      base = 0u;
+      f = trace_frame(ray.origin, ray.direction);
+      continue;
     } else {
-      const uint first = child & ((1u << trace_leaf_shift) - 1u);
-      const uint count = ((child & ~trace_leaf_bit) >> trace_leaf_shift) + 1u;
-      if (in_top && instance == no_trace) {
-        stack[top++] = uvec2(child, count);
-      } else {
-        for (uint i = first; i < first + count; ++i)
-          if (trace_block(s, i, instance, f, mode, passed, state)) return;
-      }
+      if (in_top || s.top_root == no_trace) return;
+      in_top = true;
+      root = s.top_root;
     }
-    // What is next.
-    while (true) {
-      if (top == base) {
-        if (instance != no_trace) {
-          instance = no_trace;
-          base = 0u;
-          f = trace_frame(ray.origin, ray.direction);
-          continue;
-        }
-        if (in_top || s.top_root == no_trace) return;
-        in_top = true;
-        child = s.top_root == no_trace ? 0u : s.top_root;
-        break;
-      }
-      const uvec2 entry = stack[top - 1u];
-      if ((entry.x & trace_leaf_bit) != 0u) {
-        const uint first = entry.x & ((1u << trace_leaf_shift) - 1u);
-        if (entry.y == 0u) {
-          --top;
-          continue;
-        }
-        stack[top - 1u].y = entry.y - 1u;
-        const uint entered = first + entry.y - 1u;
-        const TraceInstance i = trace_instance(s, entered);
-        TraceFrame entering;
-        if (!trace_enter(i, ray, entering)) continue;
-        instance = entered;
-        base = top;
-        f = entering;
-        child = i.root;  // never none: of empty trees there is no instance
-        break;
-      }
-      const uint lane = entry.y & 7u, left = entry.y >> 24;
-      const uint64_t node = trace_node(s, entry.x);
-      if (left == 1u)
-        --top;
-      else
-        stack[top - 1u].y = ((entry.y & 0xffffffu) >> 3u) | (left - 1u) << 24;
-      // The ray may have become shorter since its boxes were tested.
-      if (state.found && trace_box(node, lane, f) > state.t_max * TRACE_SLACK) continue;
-      const uint met_child = TraceUintRef(node + 192ul + 4ul * lane).u;
-      if (met_child == no_trace) continue;  // of a ray whose numbers have left the range of floats
-      child = met_child;
-      break;
-    }
+    node = root;
+    left = trace_children(trace_node(s, root), f, state.t_min, state.t_max);
+#ifdef TRACE_COUNTS
+    ++trace_nodes;
+#endif
   }
 }
 #endif
@@ -447,10 +429,8 @@ float trace_largest(vec3 v) { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
 // The same bounds as Accel::surface's.
 TracePoint trace_point(TraceHit h) {
   const TraceScene s = TraceSceneRef(TRACE_ADDRESS).s;
-  const uint64_t at = trace_block_of(s, h.place >> 2u) + 4ul * uint64_t(h.place & 3u);
-  vec3 p[3];
-  for (int k = 0; k < 3; ++k)
-    for (int a = 0; a < 3; ++a) p[k][a] = TraceFloatRef(at + uint64_t(48 * k + 16 * a)).f;
+  const TraceTriangle triangle = trace_triangle(s, h.place);
+  vec3 p[3] = vec3[3](triangle.a, triangle.b, triangle.c);
   const TraceItem item = trace_item(s, h.item);
   float reach = 0.0;
   if (h.instance != no_trace) {
@@ -473,8 +453,7 @@ TracePoint trace_point(TraceHit h) {
   const float size = length(scaled);
   point.normal = largest > 0.0 ? scaled / size * ((item.flags & trace_mirrored) != 0u ? -1.0 : 1.0) : vec3(0.0);
   if (h.instance == no_trace) {
-    const uint id = TraceUintRef(trace_block_of(s, h.place >> 2u) + 144ul + 4ul * uint64_t(h.place & 3u)).u;
-    point.error_m = trace_triangle(s, id).error_m;
+    point.error_m = triangle.error_m;
     return point;
   }
   reach = max(reach, max(max(trace_largest(p[0]), trace_largest(p[1])), trace_largest(p[2])));

@@ -12,7 +12,7 @@
 TraceGeometry trace_geometry(TraceScene s, uint number) {
   return TraceGeometryRef(trace_entry(s.geometries, s.places, 12ul, number)).g;
 }
-uint trace_place(TraceScene s, uint triangle) {
+uint trace_place_of(TraceScene s, uint triangle) {
   return TraceUintRef(trace_entry(s.places, s.end, 4ul, triangle)).u;
 }
 
@@ -23,11 +23,11 @@ TraceHit trace_named(TraceScene s, TraceRay ray, uint number, uint primitive, Tr
   h.item = g.item;
   h.primitive = primitive;
   h.instance = g.instance;
-  h.place = trace_place(s, g.first_place + primitive);
+  h.place = trace_place_of(s, g.first_place + primitive);
   TraceFrame f = trace_frame(ray.origin, ray.direction);
   const TraceState any = TraceState(-TRACE_FAR, TRACE_FAR, TRACE_NOTHING, false);
   if (g.instance == no_trace || trace_enter(trace_instance(s, g.instance), ray, f))
-    trace_lane(trace_lanes(trace_block_of(s, h.place >> 2u), f), h.place & 3u, any, h);
+    trace_test(trace_triangle(s, h.place), f, any, h);
   if (g.instance == no_trace && (trace_item(s, g.item).flags & trace_mirrored) != 0u) h.back ^= 1u;
   return h;
 }
@@ -85,8 +85,8 @@ void trace_search(TraceScene s, TraceRay ray, uint mode, TraceHit passed, inout 
     const TraceHit h = TRACE_QUERIED(query, false);
     if (!(h.t >= state.t_min && h.t <= state.t_max)) continue;
     if ((mode & TRACE_LOCATE) != 0u)
-      trace_accept(s, h, mode, passed, state);
-    else if (trace_counts(s, h, mode, passed))
+      trace_accept(s, h, true, mode, passed, state);
+    else if (trace_counts(s, h, true, mode, passed))
       rayQueryConfirmIntersectionEXT(query);
   }
   if (rayQueryGetIntersectionTypeEXT(query, true) == gl_RayQueryCommittedIntersectionNoneEXT) return;

@@ -10,6 +10,7 @@
 
 #include "base/check.h"
 #include "passes/shared/bvh_knobs.h"
+#include "plan/pack_nodes.h"
 #include "reference/accel_trees.h"
 #include "scene/draw_list.h"
 #include "scene/glow.h"
@@ -58,18 +59,28 @@ class Tables {
   size_t end_ = sizeof(shared::TraceScene);
 };
 
-template <class T>
-T* table(FrameRays& rays, uint32_t at) {
+template <class T, class Rays>
+T* table(Rays& rays, uint32_t at) {
   return reinterpret_cast<T*>(rays.bytes.data() + size_t(at) * shared::trace_table_align);
 }
 
-// Nodes without what fills their lines of cache, with the numbers of their children counted in the whole table.
-void copy_nodes(const WideTree& tree, size_t first_node, size_t first_leaf, shared::TraceNode* nodes) {
-  tbb::parallel_for(size_t(0), tree.nodes.size(), [&](size_t n) {
-    WideNode node = tree.nodes[n];
-    for (uint32_t& child : node.child)
-      if (child != no_child) child += uint32_t(child & leaf_bit ? first_leaf : first_node);
-    std::memcpy(nodes + first_node + n, &node, sizeof(shared::TraceNode));
+// Blocks of triangles as rays test them, one by one. name(id, triangle) says which it is.
+template <class Name>
+void copy_blocks(const WideTree& tree, shared::TraceTriangle* out, const Name& name) {
+  tbb::parallel_for(size_t(0), tree.blocks.size(), [&](size_t b) {
+    const TriangleBlock& block = tree.blocks[b];
+    for (size_t lane = 0; lane < block_triangles; ++lane) {
+      shared::TraceTriangle& t = out[block_triangles * b + lane];
+      t = {};
+      t.item = shared::no_trace;
+      if (block.id[lane] == no_triangle) continue;
+      for (size_t axis = 0; axis < 3; ++axis) {
+        t.a[int(axis)] = block.corner[0][axis][lane];
+        t.b[int(axis)] = block.corner[1][axis][lane];
+        t.c[int(axis)] = block.corner[2][axis][lane];
+      }
+      name(block.id[lane], t);
+    }
   });
 }
 
@@ -162,8 +173,7 @@ class LayOut {
     CHECK_MSG(blocks <= leaf_first_mask && nodes < leaf_bit && trees_.instances.size() <= leaf_first_mask,
               "more triangles than a tree's 32-bit references reach");
     head_.nodes = tables_.place(nodes * sizeof(shared::TraceNode));
-    head_.blocks = tables_.place(blocks * sizeof(shared::TraceBlock));
-    head_.triangles = tables_.place(trees_.world_item.size() * sizeof(shared::TraceTriangle));
+    head_.triangles = tables_.place(blocks * block_triangles * sizeof(shared::TraceTriangle));
     head_.items = tables_.place(data_.items.size() * sizeof(shared::TraceItem));
     head_.instances = tables_.place(trees_.top.indices.size() * sizeof(shared::TraceInstance));
     head_.world_root = trees_.world.nodes.empty() ? shared::no_trace : 0;
@@ -210,14 +220,11 @@ class LayOut {
   }
 
   void fill_items() {
-    std::vector<bool> is_instance(data_.items.size());
-    for (const AccelInstance& instance : trees_.instances) is_instance[instance.item] = true;
     shared::TraceItem* const items = table<shared::TraceItem>(rays_, head_.items);
     for (size_t i = 0; i < data_.items.size(); ++i) {
       const DrawItem& item = data_.items[i];
       const Material* material = material_of(pose_, item);
       shared::TraceItem out{};
-      out.first = is_instance[i] ? shared::no_trace : trees_.item_first[i];
       out.material = uint32_t(material ? size_t(item.material) : pose_.materials.size());
       out.first_corner = first_corner_[i];
       out.flags = item.mirrored ? shared::trace_mirrored : 0;
@@ -232,30 +239,39 @@ class LayOut {
       }
       items[i] = out;
     }
-    shared::TraceTriangle* const triangles = table<shared::TraceTriangle>(rays_, head_.triangles);
-    tbb::parallel_for(size_t(0), trees_.world_item.size(), [&](size_t t) {
-      const uint32_t item = trees_.world_item[t];
-      Hit hit;
-      hit.item = item, hit.primitive = uint32_t(t) - trees_.item_first[item];
-      triangles[t] = {item, accel_.surface(hit).error_m};
-    });
+  }
+  uint32_t named(uint32_t item) const {
+    const bool asks = table<const shared::TraceItem>(rays_, head_.items)[item].flags != 0;
+    return item | (asks ? shared::trace_asked : 0);
   }
 
   void fill_trees() {
     shared::TraceNode* const nodes = table<shared::TraceNode>(rays_, head_.nodes);
-    TriangleBlock* const blocks = table<TriangleBlock>(rays_, head_.blocks);
+    shared::TraceTriangle* const triangles = table<shared::TraceTriangle>(rays_, head_.triangles);
     copy_nodes(trees_.world, 0, 0, nodes);
     copy_nodes(trees_.top, trees_.world.nodes.size(), 0, nodes);
     add_range(0, trees_.world, shared::no_trace, false);
     add_range(trees_.world.nodes.size(), trees_.top, shared::no_trace, true);
-    std::copy(trees_.world.blocks.begin(), trees_.world.blocks.end(), blocks);
+    copy_blocks(trees_.world, triangles, [&](uint32_t id, shared::TraceTriangle& t) {
+      Hit hit;
+      hit.item = trees_.world_item[id];
+      hit.primitive = id - trees_.item_first[hit.item];
+      t.item = named(hit.item), t.primitive = hit.primitive;
+      t.error_m = accel_.surface(hit).error_m;
+    });
     size_t node = trees_.world.nodes.size() + trees_.top.nodes.size(), block = trees_.world.blocks.size();
     for (const AccelPart& part : trees_.parts) {
       copy_nodes(part.tree, node, block, nodes);
-      std::copy(part.tree.blocks.begin(), part.tree.blocks.end(), blocks + block);
+      copy_blocks(part.tree, triangles + block_triangles * block,
+                  [](uint32_t id, shared::TraceTriangle& t) { t.item = shared::trace_asked, t.primitive = id; });
       roots_.push_back(part.tree.nodes.empty() ? shared::no_trace : uint32_t(node));
       node += part.tree.nodes.size(), block += part.tree.blocks.size();
     }
+  }
+  static void copy_nodes(const WideTree& tree, size_t first_node, size_t first_leaf, shared::TraceNode* nodes) {
+    tbb::parallel_for(size_t(0), tree.nodes.size(), [&](size_t n) {
+      nodes[first_node + n] = packed_node(tree.nodes[n], uint32_t(first_node), uint32_t(first_leaf));
+    });
   }
 
   // In the order in which the leaves of the top tree name them.
@@ -265,6 +281,7 @@ class LayOut {
       const AccelInstance& instance = trees_.instances[trees_.top.indices[i]];
       out[i] = shared_instance(instance, data_.relative_from_local[data_.items[instance.item].transform],
                                roots_[instance.part]);
+      out[i].item = named(instance.item);
       add_range(roots_[instance.part], trees_.parts[instance.part].tree, uint32_t(i), false);
     }
   }
@@ -293,12 +310,13 @@ class LayOut {
 
     take_blocks(trees_.world, 0, 0);
     AccelerationInput::Level world;
+    std::vector<bool> is_instance(data_.items.size());
+    for (const AccelInstance& instance : trees_.instances) is_instance[instance.item] = true;
     for (uint32_t i = 0; i < data_.items.size(); ++i) {
-      const shared::TraceItem& item = table<shared::TraceItem>(rays_, head_.items)[i];
       const bool traced = trees_.section_of(data_.items[i]).topology == Topology::triangles;
-      if (!traced || item.first == shared::no_trace || triangles_of(i) == 0) continue;
-      world.push_back({item.first, triangles_of(i), asks_nothing(item)});
-      add({i, item.first, shared::no_trace});
+      if (!traced || is_instance[i] || triangles_of(i) == 0) continue;
+      world.push_back({trees_.item_first[i], triangles_of(i), asks_nothing(i)});
+      add({i, trees_.item_first[i], shared::no_trace});
     }
     if (!world.empty()) {
       out.levels.push_back(std::move(world));
@@ -320,14 +338,15 @@ class LayOut {
       const shared::TraceInstance& placed = table<shared::TraceInstance>(rays_, head_.instances)[i];
       out.instances.push_back({uint32_t(first_level + instance.part),
                                numbers,
-                               asks_nothing(table<shared::TraceItem>(rays_, head_.items)[instance.item]),
+                               asks_nothing(instance.item),
                                {placed.relative_row[0], placed.relative_row[1], placed.relative_row[2]}});
       add({instance.item, first_triangle[instance.part], uint32_t(i)});
     }
   }
   // No ray asks more of its triangles than where they are.
-  static bool asks_nothing(const shared::TraceItem& item) {
-    return (item.flags & (shared::trace_masked | shared::trace_glows | shared::trace_refracts)) == 0;
+  bool asks_nothing(uint32_t item) const {
+    return (table<const shared::TraceItem>(rays_, head_.items)[item].flags &
+            (shared::trace_masked | shared::trace_glows | shared::trace_refracts)) == 0;
   }
 
   void add_range(size_t first_node, const WideTree& tree, uint32_t instance, bool holds_instances) {
@@ -378,10 +397,8 @@ Hash128 rays_key(const Scene& scene, const Pose& pose, const FrameData& data, bo
 
 FrameRays lay_out_rays(const Accel& accel, const Scene& scene, const Pose& pose, const FrameData& data, bool refraction,
                        bool on_device) {
-  static_assert(offsetof(WideNode, unused) == sizeof(shared::TraceNode) &&
-                sizeof(TriangleBlock) == sizeof(shared::TraceBlock));
   static_assert(leaf_bit == shared::trace_leaf_bit && leaf_count_shift == shared::trace_leaf_shift &&
-                no_child == shared::no_trace && no_triangle == shared::no_trace);
+                no_child == shared::no_trace && block_triangles == shared::trace_block);
   return LayOut(accel, scene, pose, data, refraction, on_device).run();
 }
 

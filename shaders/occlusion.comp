@@ -10,8 +10,9 @@ layout(constant_id = 0) const int SHAPE = 257;
 
 layout(constant_id = 1) const int KEEPS_NORMALS = 0;
 
-const float PI = 3.14159265358979323846;
+#include "lib/pi.glsl"
 #include "lib/occlusion_depth.glsl"
+#include "lib/occlusion_texel.glsl"
 const bool BENT = OCCLUSION_BENT(SHAPE) != 0;
 
 // The difference of the positions at p and beside it along one axis, from the side whose surface goes on through p.
@@ -76,15 +77,7 @@ vec2 arc_direction(float c, float side, float cos_g, float sin_g) {
 void main() {
   const ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(uvec2(texel), pc.texels))) return;
-  // Of the texel's pixels, the first that a surface covers.
-  float point = 0.0;
-  for (int i = 0; i < TEXEL_PX * TEXEL_PX && !(point > 0.0); ++i) {
-    const ivec2 pixel = TEXEL_PX * texel + ivec2(i % TEXEL_PX, i / TEXEL_PX);
-    if (any(greaterThanEqual(uvec2(pixel), frame.size_px))) continue;
-    const float z = texelFetch(pass_images[pc.points], pixel, 0).r;
-    const uint name = uint(i * SAMPLES) + (floatBitsToUint(z) & occlusion_name_mask(PIXELS));
-    point = occlusion_named(z, name, SHAPE);
-  }
+  const float point = texel_point(texel);
   float open = 1.0;
   vec3 n = vec3(0.0, 0.0, 1.0), bent = n;
   if (point > 0.0) {
@@ -101,7 +94,9 @@ void main() {
     const vec2 half_px = 0.5 * vec2(frame.size_px);
     const vec2 slope = perspective ? p.xy / point : vec2(0.0);
     // The sphere of the radius looks larger than at its middle's distance; about the eye it is everywhere.
-    float reach_m = pc.radius_m;
+    const float unit_m = pc.by_distance != 0u ? distance : 1.0;
+    const float radius_m = pc.radius_m * unit_m, fade_m = pc.fade_m * unit_m;
+    float reach_m = radius_m;
     if (perspective) reach_m *= inversesqrt(max(1.0 - reach_m / distance * (reach_m / distance), 1e-4));
     const vec2 offset = noise(uvec2(texel));
     float lost = 0.0, whole = 0.0;
@@ -146,7 +141,7 @@ void main() {
           const float z = texelFetch(pass_images[pc.points], other, 0).r;
           if (!(z > 0.0)) continue;
           const vec3 s = occlusion_point(other, z, PIXELS, pc.subsample_ndc) - p;
-          const float hidden = clamp((pc.radius_m - length(s)) / pc.fade_m, 0.0, 1.0);
+          const float hidden = clamp((radius_m - length(s)) / fade_m, 0.0, 1.0);
           const vec3 in_slice = s - dot(s, axis) * into;
           const float c = dot(in_slice, v) * inversesqrt(max(dot(in_slice, in_slice), 1e-30));
           // At grazing angles it may have been moved to the other side.

@@ -19,6 +19,7 @@ void main() {
   if (middle.y > 0.0) {
     const vec3 p = occlusion_point(texel, middle.y, SHAPE, pc.subsample_ndc);
     const vec3 n = unpack_normal(texelFetch(pass_uint_images[pc.normals], texel, 0).r);
+    const float reach_m = pc.reach_m * (pc.by_distance != 0u ? max(-p.z, 1e-30) : 1.0);
     float sum = 0.0, weights = 0.0;
     vec3 bent = vec3(0.0);
     for (int y = -2; y <= 2; ++y)
@@ -28,7 +29,7 @@ void main() {
         const vec4 o = texelFetch(pass_images[pc.open], other, 0);
         if (!(o.y > 0.0)) continue;
         float w = (abs(x) == 2 ? 0.5 : 1.0) * (abs(y) == 2 ? 0.5 : 1.0);
-        const vec3 q = occlusion_point(other, o.y, SHAPE, pc.subsample_ndc), away = (q - p) / pc.reach_m;
+        const vec3 q = occlusion_point(other, o.y, SHAPE, pc.subsample_ndc), away = (q - p) / reach_m;
         w *= occlusion_likeness(q, p, n) * exp2(-dot(away, away));
         if (!(w > 0.0)) continue;
         sum += w * o.x;

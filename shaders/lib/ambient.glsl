@@ -3,14 +3,6 @@
 // diffuse light is. Needs lib/brdf.glsl.
 #include "lib/image_light.glsl"
 #include "lib/openness.glsl"
-vec3 ambient_radiance(vec3 n) {
-  const vec4 sh[9] = frame.ambient_sh;
-  vec3 e = sh[0].rgb * 0.282095 + sh[1].rgb * (0.488603 * n.y) + sh[2].rgb * (0.488603 * n.z) +
-           sh[3].rgb * (0.488603 * n.x) + sh[4].rgb * (1.092548 * n.x * n.y) + sh[5].rgb * (1.092548 * n.y * n.z) +
-           sh[6].rgb * (0.315392 * (3.0 * n.z * n.z - 1.0)) +
-           sh[7].rgb * (1.092548 * n.x * n.z) + sh[8].rgb * (0.546274 * (n.x * n.x - n.y * n.y));
-  return max(e, vec3(0.0));
-}
 // Scale of f0, bias of f90, and what the half vectors' Schlick term takes of a diffuse lobe (sky/split_sum.h).
 vec3 split_sum(float roughness, float n_v) {
   const vec2 size = vec2(split_sum_columns, split_sum_rows);
@@ -136,7 +128,7 @@ float reflected_open(Openness o, Surface s, vec3 v, vec3 plane_normal) {
 AmbientLobes occluded_lobes(Surface s, BrdfTerms b, Openness o, vec3 plane_normal) {
   const vec3 facing = OCCLUSION_IS_BENT ? bent_about(s.normal, o.bent, plane_normal) : s.normal;
   const AmbientLobes lobes = ambient_lobes(s, b, facing);
-  return AmbientLobes(lobes.diffuse * o.fraction, lobes.specular * reflected_open(o, s, b.to_viewer, plane_normal));
+  return AmbientLobes(lobes.diffuse * o.diffuse, lobes.specular * reflected_open(o, s, b.to_viewer, plane_normal));
 }
 vec3 occluded_ambient_light(Surface s, BrdfTerms b, Openness o, vec3 plane_normal) {
   const AmbientLobes lobes = occluded_lobes(s, b, o, plane_normal);

@@ -2,7 +2,7 @@
 // Schlick; and the light that bounces more than once between facets (Turquin, "Practical Multiple Scattering
 // Compensation for Microfacet Models", 2019).
 #include "shared/split_sum.h"
-const float PI = 3.14159265358979323846;
+#include "lib/pi.glsl"
 
 // What further bounces between facets return of a lobe without colour, over its first: 1/E - 1, where E is the
 // fraction of a uniform sky that GGX facets reflect once. A fit in alpha and visible = n.v / sqrt(n.v^2 (1 - alpha^2)

@@ -1,32 +1,10 @@
 // Light of a sky image (sky/prefilter_sky.h makes what is read here). Directions are in the sky's own axes. Needs
 // lib/brdf.glsl.
 #include "lib/axes.glsl"
+#include "lib/filtered_sky.glsl"
 
-// Place on an octahedral map from -1 to 1, +Y in the middle (Engelhardt and Dachsbacher 2008).
-vec2 octahedral(vec3 d) {
-  d /= abs(d.x) + abs(d.y) + abs(d.z);
-  if (d.y >= 0.0) return d.xz;
-  return (1.0 - abs(d.zx)) * vec2(d.x >= 0.0 ? 1.0 : -1.0, d.z >= 0.0 ? 1.0 : -1.0);
-}
-vec3 sky_slice(uint i, vec2 place) {
-  const SkySlice slice = SkySlicesRef(frame.image_light.slices).s[i];
-  return textureLod(sampler2D(textures[frame.image_light.texture], samplers[frame.image_light.clamp_sampler]),
-      slice.offset + slice.scale * place, 0.0).rgb;
-}
 float slice_of_roughness(float roughness) {
   return max(float(sky_slice_count - 1u) + float(sky_slices_per_octave) * log2(max(roughness, least_roughness)), 0.0);
-}
-vec3 filtered_sky(vec3 d, float slice) {
-  const vec2 place = octahedral(d) * 0.5 + 0.5;
-  const uint i = min(uint(slice), sky_slice_count - 2u);
-  return mix(sky_slice(i, place), sky_slice(i + 1u, place), slice - float(i));
-}
-vec3 sky_irradiance(vec3 n) {
-  const vec2 place = octahedral(n) * 0.5 + 0.5;
-  const vec2 uv = frame.image_light.irradiance_uv.x + frame.image_light.irradiance_uv.y * place;
-  return textureLod(
-      sampler2D(textures[frame.image_light.irradiance_texture], samplers[frame.image_light.clamp_sampler]), uv,
-      0.0).rgb;
 }
 
 // Where the lobe's middle lies, from the normal (0) to the mirror direction (1), and the slice as wide as the lobe.
@@ -64,22 +42,6 @@ vec3 sky_lights(BrdfTerms b, float slice) {
 #endif
   }
   return fraction * sum;
-}
-
-// The sky's image itself, seen through a cone of a solid angle, and that without its bright spots.
-struct SkyTexels {
-  vec3 all, rest;
-};
-SkyTexels sky_through(vec3 d, float solid_angle) {
-  const float across = length(d.xz);
-  const vec2 uv = vec2(atan(d.z, d.x) / (2.0 * PI) + 0.5, acos(clamp(d.y, -1.0, 1.0)) / PI);
-  const vec2 size = frame.sky_size_px, rest_size = frame.image_light.rest_px;
-  const float covered = solid_angle / (2.0 * PI * PI * max(across, 1e-4));  // as an image of one texel
-  const float lod = max(0.5 * log2(max(covered * size.x * size.y, 1e-12)), 0.0);
-  const float rest_lod = max(0.5 * log2(max(covered * rest_size.x * rest_size.y, 1e-12)), 0.0);
-  return SkyTexels(
-      textureLod(sampler2D(textures[frame.sky_texture], samplers[frame.sky_sampler]), uv, lod).rgb,
-      textureLod(sampler2D(textures[frame.image_light.texture], samplers[frame.sky_sampler]), uv, rest_lod).rgb);
 }
 
 struct SkyLobes {

@@ -55,7 +55,7 @@ vec3 ambient_light(Surface s, BrdfTerms b) {
 AmbientLobes occluded_lobes(Surface s, BrdfTerms b, Openness o, vec3 plane_normal) {
   const vec3 facing = OCCLUSION_IS_BENT ? bent_about(s.normal, o.bent, plane_normal) : s.normal;
   AmbientLobes base = base_of_sky(s, b, facing);
-  base.diffuse *= o.fraction;
+  base.diffuse *= o.diffuse;
   base.specular *= reflected_open(o, with_round_facets(s), b.to_viewer, plane_normal);
   vec3 coat = coat_of_sky(s, b);
   if (HAS_COAT) coat *= reflected_open(o, coat_surface(s), b.to_viewer, plane_normal);

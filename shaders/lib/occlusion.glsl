@@ -25,7 +25,9 @@ Openness occlusion_open(vec3 relative, vec3 plane_normal) {
   const vec2 at = (PIXEL_MIDDLE - 0.5) / float(max(OCCLUSION_TEXEL_PX(HAS_OCCLUSION), 1));
   const ivec2 corner = ivec2(floor(at));
   const vec2 f = at - vec2(corner);
+  const bool by_rays = OCCLUSION_BY_RAYS(HAS_OCCLUSION) != 0;
   float sum = 0.0, weights = 0.0;
+  vec2 bright = vec2(0.0);  // of all the sky, and of what is open
   vec3 bent = vec3(0.0);
   for (int i = 0; i < 4; ++i) {
     const ivec2 o = ivec2(i & 1, i >> 1), texel = clamp(corner + o, ivec2(0), last);
@@ -37,9 +39,13 @@ Openness occlusion_open(vec3 relative, vec3 plane_normal) {
     sum += w * tap.x;
     weights += w;
     if (OCCLUSION_IS_BENT) bent += w * tap.x * normal_at_place(tap.zw);
+    if (by_rays) bright += w * tap.zw;
   }
-  if (weights > 1e-3)
-    return Openness(sum == weights ? 1.0 : clamp(sum / weights, 0.0, 1.0), bent_in_world(bent, plane_normal));
+  if (weights > 1e-3) {
+    const float fraction = sum == weights ? 1.0 : clamp(sum / weights, 0.0, 1.0);
+    return Openness(fraction, by_rays ? open_diffuse(fraction, bright.x, bright.y) : fraction,
+        bent_in_world(bent, plane_normal));
+  }
   float least = 3e38, open = 1.0;
   for (int y = -1; y <= 2; ++y)
     for (int x = -1; x <= 2; ++x) {
@@ -52,6 +58,8 @@ Openness occlusion_open(vec3 relative, vec3 plane_normal) {
       least = unlike;
       open = tap.x;
       if (OCCLUSION_IS_BENT) bent = normal_at_place(tap.zw);
+      bright = tap.zw;
     }
-  return Openness(clamp(open, 0.0, 1.0), bent_in_world(bent, plane_normal));
+  open = clamp(open, 0.0, 1.0);
+  return Openness(open, by_rays ? open_diffuse(open, bright.x, bright.y) : open, bent_in_world(bent, plane_normal));
 }

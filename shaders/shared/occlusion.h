@@ -6,7 +6,8 @@
 // specialization constant.
 #define OCCLUSION_TEXEL_PX(shape) ((shape)&0xff)        // side of a texel in pixels: 1, 2 or 4
 #define OCCLUSION_SAMPLES(shape) ((shape) >> 8 & 0xff)  // depth samples of a pixel
-#define OCCLUSION_BENT(shape) ((shape) >> 16)           // 1: the mean open direction is kept too
+#define OCCLUSION_BENT(shape) ((shape) >> 16 & 1)       // 1: the mean open direction is kept too
+#define OCCLUSION_BY_RAYS(shape) ((shape) >> 17 & 1)    // 1: how bright the sky is, and what is open of it, are kept
 
 SHARED_BEGIN
 struct OcclusionPointsPush {
@@ -18,17 +19,35 @@ struct OcclusionPush {
   uint depth, points, normals, open;
   uvec2 texels;  // size in texels
   vec2 subsample_ndc;
-  float radius_m, fade_m;  // hidden by saturate((radius - distance) / fade)
+  float radius_m, fade_m;  // hidden by saturate((radius - distance) / fade), or parts of a point's distance
+  uint by_distance;        // 1: they are
   float strength;
   int slices, samples;  // samples on each side of a slice
   float turn;           // of the first slice, as a part of the angle between slices
   uvec2 pattern;        // by which the pattern of 4 by 4 texels is moved
 };
+struct OcclusionRaysPush {
+  uint64_t keys;         // in the place of depth
+  uint64_t trees, rays;  // TraceScene, RaySettings
+  uint depth, points, normals, open;
+  uvec2 texels;
+  vec2 subsample_ndc;
+  uint subsample, count;  // rays of a texel
+  uint seed;
+};
+// A round of the filter of texels by rays: taps `stride` texels apart.
+struct OcclusionFilterPush {
+  uint normals, open, smooth_open;
+  uvec2 texels;
+  vec2 subsample_ndc;
+  int stride;
+};
 struct OcclusionDenoisePush {
   uint normals, open, smooth_open;
   uvec2 texels;
   vec2 subsample_ndc;
-  float reach_m;  // at which a texel counts half
+  float reach_m;  // at which a texel counts half, or that part of the point's distance
+  uint by_distance;
 };
 SHARED_END
 

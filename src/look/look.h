@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <limits>
@@ -121,11 +122,12 @@ struct ToneMapping {
 // How surfaces near a point hide the sky from it. A ray that meets a surface at distance t is hidden by
 // saturate((radius - t) / (falloff * radius)): wholly up to (1 - falloff) radii, and beyond the radius not at all.
 struct Occlusion {
-  double radius_m = 1;
-  double falloff = 0.6;  // 0: a hard end at the radius; 1: fades from the point on
+  double radius_m = std::numeric_limits<double>::infinity();  // how far surfaces hide at all
+  double falloff = 0.6;  // of a radius, 0: a hard end there; 1: fades from the point on
   double strength = 1;   // of the darkening, 0 to 1
   double hidden(double t_m) const {
     if (!(t_m < radius_m)) return 0;
+    if (std::isinf(radius_m)) return 1;
     const double from_end = radius_m - t_m, width = falloff * radius_m;
     return from_end >= width ? 1 : from_end / width;
   }

@@ -24,7 +24,7 @@ bool poses_lights_on_device(const FrameRequest& request, const KnobValues& knobs
 
 // What looks at each item on the host: trees for rays, and the time before.
 bool poses_items_on_device(const FrameRequest& request, const KnobValues& knobs, const Technique& technique) {
-  const bool occlusion = knobs.get<AmbientOcclusion::Knobs>().method == AmbientOcclusion::Knobs::by_rays &&
+  const bool occlusion = knobs.get<AmbientOcclusion::Knobs>().sends_rays() &&
                          (request.has_layer("occlusion") || request.wants_true(AmbientOcclusion::effect));
   const bool reflections =
       knobs.get<Reflections::Knobs>().method == Reflections::Knobs::by_rays && request.draws_reflections();

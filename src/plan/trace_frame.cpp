@@ -39,9 +39,10 @@ TracedFrame trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, con
   out.traced.surfaces = reflections.traced(frame.facts, frame.request) || refracted.traced(frame.facts, frame.request);
   const bool shades =
       lit.suns.traced || lit.lamps.traced || occlusion.traced(frame.facts, frame.request) || out.traced.surfaces;
+  const bool texels = occlusion.knobs.sends_rays() && occlusion.needed(frame.facts, frame.request);
   out.traced.tree = asked.knobs.get<BvhKnobs>();
   int& traversal = out.traced.tree.traversal;
-  if (traversal == BvhKnobs::by_query && (shades || packed.traces_keys)) {
+  if (traversal == BvhKnobs::by_query && (shades || texels || packed.traces_keys)) {
     out.notes.push_back("rays ask the device what they meet: its own trees are built beside ours (bvh.traversal)");
   } else if (traversal == BvhKnobs::by_pipeline && packed.traces_keys) {
     out.notes.push_back(
@@ -49,12 +50,12 @@ TracedFrame trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, con
         "go "
         "through ours (bvh.traversal)");
   } else if (traversal != BvhKnobs::by_shader) {
-    if (shades || shows_trees(frame.request))
+    if (shades || texels || shows_trees(frame.request))
       out.notes.push_back(
           "bvh.traversal is left at shader: a pipeline sends the camera's rays alone (--technique ray)");
     traversal = BvhKnobs::by_shader;
   }
-  if (shades || packed.traces_keys || shows_trees(frame.request))
+  if (shades || texels || packed.traces_keys || shows_trees(frame.request))
     out.rays = context.rays &&
                        context.rays->key == rays_key(context.scene, frame.pose, frame.data, refraction, out.traced.tree)
                    ? context.rays
@@ -67,8 +68,9 @@ TracedFrame trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, con
   const auto a_picture = [&](int count) { return (uint32_t(count) + pictures - 1) / pictures; };
   const Occlusion look = frame.request.look.occlusion.value_or(Occlusion{});
   shared::RaySettings s{};
-  s.occlusion_radius_m = float(look.radius_m);
-  s.occlusion_fade_m = std::max(float(look.falloff * look.radius_m), 1e-6f * s.occlusion_radius_m);
+  const bool endless = std::isinf(look.radius_m);
+  s.occlusion_radius_m = endless ? std::numeric_limits<float>::max() : float(look.radius_m);
+  s.occlusion_fade_m = endless ? 0 : std::max(float(look.falloff * look.radius_m), 1e-6f * s.occlusion_radius_m);
   s.occlusion_strength = float(look.strength);
   s.occlusion_rays = traced.occlusion_rays = a_picture(occlusion.knobs.rays);
   s.sun_samples = traced.sun_samples = a_picture(asked.knobs.get<SunKnobs>().samples);
@@ -79,7 +81,7 @@ TracedFrame trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, con
     s.sun_tangent = float(std::tan(angle));
   }
   s.seed = frame.request.still_seed;
-  if (shades || traced.soft_suns || traced.soft_lamps) out.ray_settings = {s};
+  if (shades || texels || traced.soft_suns || traced.soft_lamps) out.ray_settings = {s};
   if (!out.rays) return out;
   // Rounded up, so that frames whose trees differ a little share their pipelines.
   traced.stack = (out.rays->stack + 7) / 8 * 8;

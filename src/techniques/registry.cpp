@@ -8,7 +8,7 @@ namespace candela {
 std::span<const Technique> techniques() {
   static const KnobSetting rays[] = {{"sun", "mode", "traced"},
                                      {"local", "method", "traced"},
-                                     {"occlusion", "method", "traced"},
+                                     {"occlusion", "method", "rays"},
                                      {"reflections", "method", "traced"}};
   static const Technique table[] = {
       {"clustered", "forward shading, lights listed by tile and depth slice", forward, LightGridKind::clusters},

@@ -1,7 +1,11 @@
 #include "passes/occlusion/occlusion.h"
 
-#include <algorithm>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "passes/shared/features.h"
 #include "shared/occlusion.h"
 
 namespace candela {
@@ -20,17 +24,44 @@ uint32_t slices_of(const AmbientOcclusion& pass, const AmbientOcclusion::In& in)
 
 std::span<const Knob> OcclusionKnobs::table() {
   constexpr std::string_view on_screen = "occlusion.method=screen";
+  constexpr std::string_view by_rays = "occlusion.method=rays occlusion.method=traced";
   static const Knob table[] = {
-      screen_or_rays_row<OcclusionKnobs>(
-          "what hides the sky: what the depth buffer shows, or rays to all that there is"),
+      {.name = "method",
+       .member = &OcclusionKnobs::method,
+       .lowest = OcclusionKnobs::screen,
+       .highest = OcclusionKnobs::by_rays,
+       .levels = {OcclusionKnobs::screen, OcclusionKnobs::screen, OcclusionKnobs::screen, OcclusionKnobs::at_surfaces},
+       .description =
+           "what hides the sky: what the depth buffer shows; or all that there is, by rays from texels whose "
+           "values are filtered (rays), or from each surface that is shaded (traced)",
+       .choices = {"screen", "traced", "rays"},
+       .sweep = {OcclusionKnobs::screen, OcclusionKnobs::by_rays, OcclusionKnobs::at_surfaces}},
       {.name = "rays",
        .member = &OcclusionKnobs::rays,
        .lowest = 1,
        .highest = 65536,
-       .levels = {16, 64, 64, 256},
-       .description = "method traced: rays of a pixel; fewer leave noise",
+       .levels = {1, 1, 4, 256},
+       .description = "rays of a texel, or with method traced of a pixel; fewer leave noise",
        .sweep = {1, 4, 16, 64, 256},
-       .required = "occlusion.method=traced"},
+       .required = by_rays},
+      {.name = "filter",
+       .member = &OcclusionKnobs::filter,
+       .lowest = 0,
+       .highest = 4,
+       .levels = {2, 2, 2, 0},
+       .description = "method rays: rounds of the filter, each four times as wide; blurs contacts, fewer leave noise",
+       .sweep = {3, 2, 1, 0},
+       .required = "occlusion.method=rays occlusion.rays=64"},
+      {.name = "reach",
+       .member = &OcclusionKnobs::reach,
+       .lowest = 0.001f,
+       .highest = 100,
+       .levels = {0.25f},
+       .description =
+           "how far surfaces hide, as a part of the point's distance from the camera, where the look names no "
+           "radius; without end in truth",
+       .sweep = {0.1f, 0.25f, 0.5f, 1},
+       .required = on_screen},
       {.name = "texel_px",
        .member = &OcclusionKnobs::texel_px,
        .unit = "px",
@@ -41,7 +72,7 @@ std::span<const Knob> OcclusionKnobs::table() {
            "side of a texel of ambient occlusion: 1 full resolution, 2 half; coarser ones blur contacts and edges",
        .sweep = {4, 2, 1},
        .only = {1, 2, 4},
-       .required = on_screen},
+       .required = "occlusion.method=screen occlusion.method=rays"},
       {.name = "slices",
        .member = &OcclusionKnobs::slices,
        .lowest = 1,
@@ -72,7 +103,8 @@ std::span<const Knob> OcclusionKnobs::table() {
        .highest = 1,
        .levels = {0, 0, 0, 1},
        .description = "1: the sky's light comes from about the mean open direction, not from about the normal",
-       .sweep = {0, 1}},
+       .sweep = {0, 1},
+       .required = "occlusion.method=screen occlusion.method=traced"},
   };
   return table;
 }
@@ -85,16 +117,17 @@ Need AmbientOcclusion::shades(const SceneFacts& facts, const FrameRequest& reque
 
 Need AmbientOcclusion::needed(const SceneFacts& facts, const FrameRequest& request) const {
   const Need any = request.has_layer("occlusion") ? Need{} : shades(facts, request);
-  if (!any || knobs.method == Knobs::screen) return any;
+  if (!any || knobs.method != Knobs::at_surfaces) return any;
   return {false, "occlusion.method is traced: rays are sent where surfaces are shaded"};
 }
 
 bool AmbientOcclusion::traced(const SceneFacts& facts, const FrameRequest& request) const {
-  return knobs.method == Knobs::by_rays && (request.has_layer("occlusion") || shades(facts, request));
+  return knobs.method == Knobs::at_surfaces && (request.has_layer("occlusion") || shades(facts, request));
 }
 
 uint32_t AmbientOcclusion::shape(const SceneInputs& scene) const {
-  return uint32_t(knobs.texel_px) | scene.samples << 8 | uint32_t(knobs.bent) << 16;
+  const bool by_rays = knobs.method == Knobs::by_rays;
+  return uint32_t(knobs.texel_px) | scene.samples << 8 | (by_rays ? 1u << 17 : uint32_t(knobs.bent) << 16);
 }
 
 glm::uvec2 AmbientOcclusion::texels(const SceneInputs& scene) const {
@@ -104,38 +137,63 @@ glm::uvec2 AmbientOcclusion::texels(const SceneInputs& scene) const {
 
 AmbientOcclusion::Out AmbientOcclusion::declare(GraphBuilder& builder, const In& in) const {
   const glm::uvec2 size = texels(in.scene), picture{in.scene.width_px, in.scene.height_px};
-  std::vector<SpecConstant> constants = {{0, "SHAPE", shape(in.scene)}};
-  const auto image = [&](const char* name, VkFormat format, glm::uvec2 px) {
+  const std::vector<SpecConstant> points = {{0, "SHAPE", shape(in.scene)}};
+  const auto image = [&](const std::string& name, VkFormat format, glm::uvec2 px) {
     return builder.create(ImageDesc{.name = name, .format = format, .width_px = px.x, .height_px = px.y});
   };
-  const VkFormat format = knobs.bent != 0 ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R32G32_SFLOAT;
+  const bool by_rays = knobs.method == Knobs::by_rays;
+  const VkFormat format = by_rays || knobs.bent != 0 ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R32G32_SFLOAT;
+  const int rounds = by_rays ? knobs.filter : knobs.denoise;
   builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
   Out out;
-  out.find = builder.pipeline(ComputePipelineDesc{with_depth("occlusion_points.comp", in.depth), constants});
+  out.find = builder.pipeline(ComputePipelineDesc{with_depth("occlusion_points.comp", in.depth), points});
   builder.begin_step();
   read_depth(builder, in.depth);
   out.points = builder.write(image("occlusion.points", VK_FORMAT_R32_SFLOAT, picture), Access::storage_image_write);
-  if (knobs.denoise != 0) constants.push_back({1, "KEEPS_NORMALS", 1});
-  out.integrate = builder.pipeline(ComputePipelineDesc{with_depth("occlusion.comp", in.depth), constants});
+
+  ComputePipelineDesc integrate{"occlusion.comp", points};
+  if (by_rays) {
+    const TracedRays& rays = in.scene.rays;
+    const bool by_query = rays.tree.traversal == BvhKnobs::by_query;
+    integrate = {"occlusion_rays.comp", ray_constants(rays.stack, rays.blended, by_query)};
+    integrate.constants.push_back({30, "SHAPE", shape(in.scene)});
+    for (const SpecConstant& c : in.scene.features)
+      if (Feature(c.id) == Feature::ibl_method) integrate.constants.push_back(c);
+    if (by_query) integrate.shader += "#TRACE_QUERY=1";
+    for (const Knob& row : BvhKnobs::table())
+      builder.knob(fmt::format("{}.{}", BvhKnobs::name, row.name), row.text(row.value(&rays.tree)));
+  }
+  if (rounds > 0) integrate.constants.push_back({by_rays ? 31u : 1u, "KEEPS_NORMALS", 1});
+  integrate.shader = with_depth(integrate.shader, in.depth);
+  out.integrate = builder.pipeline(integrate);
   builder.begin_step();
   read_depth(builder, in.depth);
   builder.read(out.points, Access::sampled_compute, "points");
+  if (by_rays) {
+    builder.read(in.scene.trees, Access::compute_read, "the trees for rays");
+    builder.read(in.scene.ray_settings, Access::compute_read, "how rays are sent");
+    builder.read(in.scene.materials, Access::compute_read, "the scene");
+  }
   out.open = builder.write(image("occlusion", format, size), Access::storage_image_write);
-  if (knobs.denoise != 0)
-    out.normals = builder.write(image("occlusion.normals", VK_FORMAT_R32_UINT, size), Access::storage_image_write);
-  if (knobs.denoise == 0) return out;
-  out.noisy = out.open;
-  out.smooth = builder.pipeline(ComputePipelineDesc{"occlusion_denoise.comp", {{0, "SHAPE", shape(in.scene)}}});
-  builder.begin_step();
-  builder.read(out.normals, Access::sampled_compute, "normals");
-  builder.read(out.noisy, Access::sampled_compute, "noisy occlusion");
-  out.open = builder.write(image("occlusion.smooth", format, size), Access::storage_image_write);
+  if (rounds == 0) return out;
+  out.normals = builder.write(image("occlusion.normals", VK_FORMAT_R32_UINT, size), Access::storage_image_write);
+  out.smooth =
+      builder.pipeline(ComputePipelineDesc{by_rays ? "occlusion_filter.comp" : "occlusion_denoise.comp", points});
+  for (int i = 0; i < rounds; ++i) {
+    out.rounds.push_back(out.open);
+    builder.begin_step();
+    builder.read(out.normals, Access::sampled_compute, "normals");
+    builder.read(out.open, Access::sampled_compute, "noisy occlusion");
+    const std::string name = i + 1 == rounds ? "occlusion.smooth" : fmt::format("occlusion.round{}", i);
+    out.open = builder.write(image(name, format, size), Access::storage_image_write);
+  }
   return out;
 }
 
 void AmbientOcclusion::record(CommandList& commands, const In& in, const Out& out) const {
   const glm::uvec2 size = texels(in.scene);
-  if (commands.step() == 0) {
+  const size_t step = commands.step();
+  if (step == 0) {
     commands.bind(out.find);
     shared::OcclusionPointsPush push{};
     push_depth(commands, in.depth, push);
@@ -144,32 +202,69 @@ void AmbientOcclusion::record(CommandList& commands, const In& in, const Out& ou
     commands.dispatch(in.scene.width_px, in.scene.height_px);
     return;
   }
-  if (commands.step() == 1) {
-    shared::OcclusionPush push{};
-    push.points = commands.sampled(out.points);
-    push_depth(commands, in.depth, push);
-    push.normals = out.normals ? commands.storage(out.normals) : 0;
-    push.open = commands.storage(out.noisy ? out.noisy : out.open);
+  // Without a radius what the screen shows hides as far as a part of the distance, in which lengths are then meant.
+  const bool endless = std::isinf(in.look.radius_m);
+  const float radius = endless ? knobs.reach : float(in.look.radius_m);
+  if (step == 1) {
+    const ImageHandle open = out.rounds.empty() ? out.open : out.rounds.front();
+    commands.bind(out.integrate);
+    if (knobs.method == Knobs::by_rays) {
+      shared::OcclusionRaysPush push{};
+      push_depth(commands, in.depth, push);
+      push.trees = commands.address(in.scene.trees);
+      push.rays = commands.address(in.scene.ray_settings);
+      push.points = commands.sampled(out.points);
+      push.normals = out.normals ? commands.storage(out.normals) : 0;
+      push.open = commands.storage(open);
+      push.texels = size;
+      push.subsample_ndc = in.scene.subsample_ndc;
+      push.subsample = in.subsample;
+      push.count = (uint32_t(knobs.rays) + in.subsamples - 1) / in.subsamples;
+      push.seed = in.seed;
+      commands.push(push);
+    } else {
+      shared::OcclusionPush push{};
+      push.points = commands.sampled(out.points);
+      push_depth(commands, in.depth, push);
+      push.normals = out.normals ? commands.storage(out.normals) : 0;
+      push.open = commands.storage(open);
+      push.texels = size;
+      push.subsample_ndc = in.scene.subsample_ndc;
+      push.radius_m = radius;
+      push.fade_m = std::max(float(in.look.falloff) * radius, 1e-6f * radius);
+      push.by_distance = endless ? 1 : 0;
+      push.strength = float(in.look.strength);
+      push.slices = int(slices_of(*this, in));
+      push.samples = knobs.samples;
+      push.turn = float(in.subsample) / float(in.subsamples);
+      push.pattern = {in.seed & 3u, in.seed >> 2 & 3u};
+      commands.push(push);
+    }
+    commands.dispatch(size.x, size.y);
+    return;
+  }
+  const size_t round = step - 2;
+  const ImageHandle from = out.rounds[round];
+  const ImageHandle to = round + 1 < out.rounds.size() ? out.rounds[round + 1] : out.open;
+  commands.bind(out.smooth);
+  if (knobs.method == Knobs::by_rays) {
+    shared::OcclusionFilterPush push{};
+    push.normals = commands.sampled(out.normals);
+    push.open = commands.sampled(from);
+    push.smooth_open = commands.storage(to);
     push.texels = size;
     push.subsample_ndc = in.scene.subsample_ndc;
-    push.radius_m = float(in.look.radius_m);
-    push.fade_m = std::max(float(in.look.falloff * in.look.radius_m), 1e-6f * push.radius_m);
-    push.strength = float(in.look.strength);
-    push.slices = int(slices_of(*this, in));
-    push.samples = knobs.samples;
-    push.turn = float(in.subsample) / float(in.subsamples);
-    push.pattern = {in.seed & 3u, in.seed >> 2 & 3u};
-    commands.bind(out.integrate);
+    push.stride = 1 << 2 * round;
     commands.push(push);
   } else {
     shared::OcclusionDenoisePush push{};
     push.normals = commands.sampled(out.normals);
-    push.open = commands.sampled(out.noisy);
-    push.smooth_open = commands.storage(out.open);
-    push.reach_m = std::max(0.15f * float(in.look.radius_m), 1e-30f);
+    push.open = commands.sampled(from);
+    push.smooth_open = commands.storage(to);
+    push.reach_m = std::max(0.15f * radius, 1e-30f);
+    push.by_distance = endless ? 1 : 0;
     push.texels = size;
     push.subsample_ndc = in.scene.subsample_ndc;
-    commands.bind(out.smooth);
     commands.push(push);
   }
   commands.dispatch(size.x, size.y);

@@ -1,19 +1,25 @@
 #pragma once
+#include <vector>
+
 #include "passes/shared/pass.h"
 #include "passes/shared/sampled_depth.h"
 #include "passes/shared/scene_inputs.h"
-#include "passes/shared/screen_or_rays.h"
 
 namespace candela {
 
-struct OcclusionKnobs : ScreenOrRays {
+struct OcclusionKnobs {
   static constexpr std::string_view name = "occlusion";
+  // What the depth buffer shows; rays where surfaces are shaded; rays from texels, which are filtered.
+  enum : int { screen, at_surfaces, by_rays };
   int method = screen;
+  bool sends_rays() const { return method != screen; }
   int rays = 64;
   int texel_px = 2;
   int slices = 3;
   int samples = 6;
   int denoise = 1;
+  int filter = 2;
+  float reach = 0.25f;
   int bent = 0;
   static std::span<const Knob> table();
 };
@@ -33,8 +39,12 @@ struct OcclusionKnobs : ScreenOrRays {
 // pattern of 4 by 4 offsets. Denoise: the mean over the pattern, of texels near the tangent plane. The texels are
 // brought to the fragments where these are shaded (shaders/lib/occlusion.glsl).
 //
-// Leaves wrong: what the depth buffer does not hold. Surfaces behind others and beyond the picture's edge hide nothing
-// (a border as wide as the radius is too bright, never dark), and what is seen is taken to be as thick as the radius.
+// By rays (method rays) each texel's point sends a few through all there is, and rounds of a filter take the mean over
+// texels of the same surface. Where surfaces are shaded (method traced) each fragment sends its own.
+//
+// Leaves wrong on screen: what the depth buffer does not hold. Surfaces behind others and beyond the picture's edge
+// hide nothing (a border as wide as the radius is too bright, never dark), and what is seen is taken to be as thick as
+// the radius.
 struct AmbientOcclusion {
   static constexpr std::string_view name = "occlusion";
   static constexpr std::string_view effect = "occlusion";
@@ -51,8 +61,8 @@ struct AmbientOcclusion {
   struct Out {
     ImageHandle open;             // V, and the point that it is of (shaders/lib/occlusion_points.glsl)
     ImageHandle points, normals;  // on the way; normals for the denoising alone
-    ImageHandle noisy;            // V before the denoising; empty without
     PipelineHandle find, integrate, smooth;
+    std::vector<ImageHandle> rounds;  // what each round of the filter reads; empty without
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   // Whether what it gives is for shading, and not for a layer alone.

@@ -1,0 +1,2 @@
+#pragma once
+const float PI = 3.14159265358979323846;

@@ -1,0 +1,128 @@
+#pragma once
+// Rays from the point of a surface that a pixel shows: where they begin, which way they go, and what comes along them.
+// Needs the push constants pc.trees, pc.rays (RaySettings) and pc.subsample, lib/features.glsl, lib/frame.glsl,
+// lib/bindless.glsl and PIXEL_MIDDLE.
+#include "lib/axes.glsl"
+#include "lib/filtered_sky.glsl"
+#include "lib/openness.glsl"
+#include "shared/trace.h"
+#define TRACE_ADDRESS pc.trees
+#define TRACE_STACK RAY_STACK
+#include "lib/trace.glsl"
+
+TracePoint rays_from;    // of this fragment
+vec3 rays_side;          // its normal on the viewer's side
+#ifdef SCATTERS
+vec3 rays_begin;         // its place; rays to lights behind a body's slab begin beyond that
+#endif
+const float BEFORE_END = 1.0 - 4e-6;  // keeps a ray off what it is aimed at
+
+// position: of the fragment, relative; normal: of its triangle, on the viewer's side.
+void find_origin(vec3 position, vec3 normal) {
+  const float reach = trace_largest(position);
+  TraceRay ray = TraceRay(vec3(0.0), 0.999, position, 1.001);
+  if (frame.perspective == 0u) {
+    ray.direction = -frame.camera_back * max(reach, max(frame.tan_half.x, frame.tan_half.y));
+    ray.origin = position - ray.direction;
+  }
+  TraceHit hit;
+  // Lanes beside the triangle may be anywhere.
+  if (reach < 1e18 && trace(ray, TRACE_LOCATE, TRACE_NOTHING, hit)) {
+    rays_from = trace_point(hit);
+  } else {  // none of the trees' triangles: a line, a point, or an edge where the rasterizer covers more
+    rays_from = TracePoint(position, normal, 3.8146973e-6 * reach);
+  }
+  if (rays_from.normal == vec3(0.0)) rays_from.normal = normal;
+#ifdef SCATTERS
+  rays_begin = rays_from.position;
+#endif
+  rays_side = dot(rays_from.normal, normal) < 0.0 ? -rays_from.normal : rays_from.normal;
+}
+
+// Which of how many points share what the pixel has of rays.
+uint rays_part = 0u, rays_parts = 1u;
+uint rays_first(uint count) { return (pc.subsample * rays_parts + rays_part) * count; }
+uint rays_share(uint count) { return max((count + rays_parts - 1u) / rays_parts, 1u); }
+
+// Of the light along a ray, what comes through: nothing behind opaque surfaces, what blended ones leave. A surface at
+// distance t hides saturate((radius - t) / fade) of what is behind it.
+float rays_through(TraceRay ray, uint mode, float radius, float fade) {
+  TraceHit passed = TRACE_NOTHING;
+  float through = 1.0;
+  if (RAYS_MEET_BLENDED == 0 && fade == 0.0) mode |= TRACE_ANY;
+  while (true) {
+    TraceHit hit;
+    if (!trace(ray, mode, passed, hit)) return through;
+    float coverage = 1.0;
+    if (RAYS_MEET_BLENDED != 0) {
+      const TraceScene s = TraceSceneRef(TRACE_ADDRESS).s;
+      const TraceItem item = trace_item(s, hit.item);
+      if ((item.flags & trace_blended) != 0u) coverage = trace_coverage(s, item, hit.primitive, hit.u, hit.v);
+    }
+    through *= 1.0 - (fade == 0.0 ? coverage : coverage * clamp((radius - hit.t) / fade, 0.0, 1.0));
+    if (coverage >= 1.0 || !(through > 0.0)) return through;
+    passed = hit;
+    ray.t_min = hit.t;
+    mode |= TRACE_PASSED;
+  }
+}
+
+uint rays_hash(uvec3 v) {  // Jarzynski and Olano, "Hash Functions for GPU Rendering", 2020 (pcg3d)
+  v = v * 1664525u + 1013904223u;
+  v.x += v.y * v.z;
+  v.y += v.z * v.x;
+  v.z += v.x * v.y;
+  v ^= v >> 16u;
+  v.x += v.y * v.z;
+  return v.x;
+}
+// Number i of a sequence whose first 2^n points stratify the square in every way (Sobol 1967, two dimensions), turned
+// over by the pixel's own bits.
+vec2 rays_place(uint i, uvec2 own) {
+  uint second = 0u;
+  for (uint v = 0x80000000u, n = i; n != 0u; n >>= 1u, v ^= v >> 1u)
+    if ((n & 1u) != 0u) second ^= v;
+  return vec2(uvec2(bitfieldReverse(i), second) ^ own) * (1.0 / 4294967296.0);
+}
+uvec2 rays_own(uint dimension) {
+  const RaySettings s = RaySettingsRef(pc.rays).s;
+  const uvec2 pixel = uvec2(PIXEL_MIDDLE);
+  return uvec2(rays_hash(uvec3(pixel, s.seed ^ (2u * dimension))),
+      rays_hash(uvec3(pixel, s.seed ^ (2u * dimension + 1u))));
+}
+
+// What rays find of the sky, as means over directions by the cosine about the triangle's normal: whether it is open
+// there, and how bright it is, all of it and as far as it is open.
+struct SkyOpen {
+  float fraction, bright, bright_open;
+  vec3 bent;  // mean open direction, a unit vector
+};
+// By `count` rays from number `first` on. own: of the pixel, turns the sequence over.
+SkyOpen sky_open(bool bends, uint first, uint count, uvec2 own) {
+  const RaySettings s = RaySettingsRef(pc.rays).s;
+  const mat3 axes = axes_about(rays_side);
+  SkyOpen sum = SkyOpen(0.0, 0.0, 0.0, vec3(0.0));
+  for (uint i = 0u; i < count; ++i) {
+    const vec2 u = rays_place(first + i, own);
+    const float across = sqrt(u.x), phi = 2.0 * PI * u.y, along = sqrt(max(1.0 - u.x, 0.0));
+    const vec3 d = axes * vec3(across * cos(phi), across * sin(phi), along);
+    const float hidden = 1.0 - rays_through(TraceRay(leaving_origin(rays_from, d), 0.0, d, s.occlusion_radius_m), 0u,
+        s.occlusion_radius_m, s.occlusion_fade_m);
+    const float open = 1.0 - s.occlusion_strength * hidden;
+    const float bright = sky_brightness(d, PI / (float(count) * max(along, 0.1)));
+    sum.fraction += open;
+    sum.bright += bright;
+    sum.bright_open += open * bright;
+    if (bends) sum.bent += (1.0 - hidden) * d;
+  }
+  const float each = 1.0 / float(count);
+  return SkyOpen(sum.fraction * each, sum.bright * each, sum.bright_open * each,
+      dot(sum.bent, sum.bent) > 1e-12 ? normalize(sum.bent) : rays_side);
+}
+SkyOpen sky_open(bool bends) {
+  const uint count = rays_share(RaySettingsRef(pc.rays).s.occlusion_rays);
+  return sky_open(bends, rays_first(count), count, rays_own(0u));
+}
+Openness openness(SkyOpen o) {
+  return Openness(o.fraction, open_diffuse(o.fraction, o.bright, o.bright_open), o.bent);
+}

@@ -63,6 +63,7 @@ void main() {
     corner = vec3(dot(i.relative_row[0], vec4(corner, 1.0)), dot(i.relative_row[1], vec4(corner, 1.0)),
         dot(i.relative_row[2], vec4(corner, 1.0)));
   }
+  corner = (corner - frame.trace_shift) - frame.trace_shift_rest;
   gl_Position = frame.clip_from_relative * vec4(corner, 1.0);
   if (!drawn || box.is_leaf != (pc.leaves != 0u)) gl_Position = vec4(0.0, 0.0, 0.0, -1.0);  // outside
 }

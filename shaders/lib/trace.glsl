@@ -400,6 +400,8 @@ bool trace(TraceRay ray, uint mode, TraceHit passed, out TraceHit hit) {
   const float largest = max(max(size.x, size.y), size.z);
   if (!trace_finite(ray.origin) || !trace_finite(ray.direction) || !(largest > 0.0) || !(state.t_min <= state.t_max))
     return false;
+  precise vec3 rest = frame.trace_shift_rest + ray.origin;
+  ray.origin = frame.trace_shift + rest;
   // Far from lengths about 1 numbers on the way would leave the range of floats.
   float scale = 1.0;
   if ((mode & TRACE_LOCATE) == 0u && !(largest >= 9.5367432e-7 && largest <= 1048576.0)) {
@@ -425,6 +427,12 @@ struct TracePoint {
 };
 
 float trace_largest(vec3 v) { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
+
+// From the space of the trees into relative space.
+vec3 trace_out(vec3 position) {
+  precise vec3 near = position - frame.trace_shift;
+  return near - frame.trace_shift_rest;
+}
 
 // The same bounds as Accel::surface's.
 TracePoint trace_point(TraceHit h) {
@@ -454,11 +462,13 @@ TracePoint trace_point(TraceHit h) {
   point.normal = largest > 0.0 ? scaled / size * ((item.flags & trace_mirrored) != 0u ? -1.0 : 1.0) : vec3(0.0);
   if (h.instance == no_trace) {
     point.error_m = triangle.error_m;
+    point.position = trace_out(point.position);
     return point;
   }
   reach = max(reach, max(max(trace_largest(p[0]), trace_largest(p[1])), trace_largest(p[2])));
   const float longest2 = max(max(dot(e0, e0), dot(e1, e1)), dot(e2, e2));
   const float thinness = largest > 0.0 ? min(longest2 / (largest * size), 1000.0) : 1000.0;
+  point.position = trace_out(point.position);
   point.error_m = (16.0 * reach + 4.0 * (sqrt(longest2) * thinness)) * 5.9604645e-8;
   return point;
 }

@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "job/background.h"
+#include "job/choose_occlusion.h"
 #include "job/choose_transparency.h"
 #include "passes/post/resolve.h"
 #include "passes/post/supersample.h"
@@ -74,6 +75,8 @@ Expected<AskedFrame> ask_frame(const Job& job, const PlanContext& context, const
   auto knobs = frame_knobs(asked.job);
   if (!knobs) return std::unexpected(knobs.error());
   asked.knobs = std::move(*knobs);
+  if (int& method = asked.knobs.get<OcclusionKnobs>().method; method == OcclusionKnobs::automatic)
+    method = choose_occlusion(context.scene, asked.job.animation).method;
   asked.technique = &*std::ranges::find(techniques(), asked.job.technique, &Technique::name);
   auto look = context.look ? context.look->at(time_s) : look_of(asked.job, time_s);
   if (!look) return std::unexpected(look.error());

@@ -140,6 +140,8 @@ void complete_upload(const LitFrame& lit, const TracedFrame& traced, PackedFrame
   FrameUpload& upload = packed.upload;
   upload.constants.grid = lit.light_grid.constants;
   if (lit.fog) upload.constants.fog = *lit.fog;
+  upload.constants.trace_shift = glm::vec3(traced.shift);
+  upload.constants.trace_shift_rest = glm::vec3(traced.shift - glm::dvec3(upload.constants.trace_shift));
   for (size_t i = 0; i < lit.suns.lights.size(); ++i) upload.lights[lit.suns.lights[i]].shadow = uint32_t(i + 1);
   for (size_t i = 0; i < lit.lamps.lights.size(); ++i)
     upload.lights[lit.lamps.lights[i]].shadow = shared::lamp_shadow_bit | uint32_t(i + 1);

@@ -1,6 +1,7 @@
 #include "plan/trace_frame.h"
 
 #include <cmath>
+#include <limits>
 
 #include "passes/debug/tree_views.h"
 #include "passes/occlusion/occlusion.h"
@@ -10,6 +11,7 @@
 #include "passes/shadows/sun_knobs.h"
 #include "passes/shared/bvh_knobs.h"
 #include "passes/surfaces/refraction.h"
+#include "plan/trace_origin.h"
 
 namespace candela {
 namespace {
@@ -55,11 +57,16 @@ TracedFrame trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, con
           "bvh.traversal is left at shader: a pipeline sends the camera's rays alone (--technique ray)");
     traversal = BvhKnobs::by_shader;
   }
-  if (shades || texels || packed.traces_keys || shows_trees(frame.request))
-    out.rays = context.rays &&
-                       context.rays->key == rays_key(context.scene, frame.pose, frame.data, refraction, out.traced.tree)
+  if (shades || texels || packed.traces_keys || shows_trees(frame.request)) {
+    View about = frame.view;
+    about.position = trace_origin(frame.data, frame.view);
+    out.shift = frame.view.position - about.position;
+    const FrameData data = make_frame_data(context.scene, frame.pose, about);
+    const Hash128 key = rays_key(context.scene, frame.pose, data, refraction, out.traced.tree);
+    out.rays = context.rays && context.rays->key == key
                    ? context.rays
-                   : make_frame_rays(context.scene, frame.pose, frame.data, refraction, out.traced.tree);
+                   : make_frame_rays(context.scene, frame.pose, data, refraction, out.traced.tree);
+  }
   TracedRays& traced = out.traced;
   traced.soft_suns = soft_suns(frame.request, lit.suns, asked.knobs.get<SunKnobs>());
   traced.soft_lamps = soft_lamps(frame.facts, lit.lamps, asked.knobs.get<LampKnobs>());

@@ -12,6 +12,7 @@ namespace candela {
 // The fifth stage of planning: trees, where rays are sent, and how shading sends them.
 struct TracedFrame {
   std::shared_ptr<const FrameRays> rays;          // null: nothing is traced
+  glm::dvec3 shift{0};                            // what added to relative space gives that of the trees
   std::vector<shared::RaySettings> ray_settings;  // one, where shading sends rays or shadows are soft
   TracedRays traced;                              // without handles
   std::vector<std::string> notes;

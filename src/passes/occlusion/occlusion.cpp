@@ -29,12 +29,14 @@ std::span<const Knob> OcclusionKnobs::table() {
       {.name = "method",
        .member = &OcclusionKnobs::method,
        .lowest = OcclusionKnobs::screen,
-       .highest = OcclusionKnobs::by_rays,
-       .levels = {OcclusionKnobs::screen, OcclusionKnobs::screen, OcclusionKnobs::screen, OcclusionKnobs::at_surfaces},
+       .highest = OcclusionKnobs::automatic,
+       .levels = {OcclusionKnobs::screen, OcclusionKnobs::automatic, OcclusionKnobs::automatic,
+                  OcclusionKnobs::at_surfaces},
        .description =
            "what hides the sky: what the depth buffer shows; or all that there is, by rays from texels whose "
-           "values are filtered (rays), or from each surface that is shaded (traced)",
-       .choices = {"screen", "traced", "rays"},
+           "values are filtered (rays), or from each surface that is shaded (traced). auto: rays, or screen where "
+           "trees cost too much",
+       .choices = {"screen", "traced", "rays", "auto"},
        .sweep = {OcclusionKnobs::screen, OcclusionKnobs::by_rays, OcclusionKnobs::at_surfaces}},
       {.name = "rays",
        .member = &OcclusionKnobs::rays,

@@ -9,11 +9,12 @@ namespace candela {
 
 struct OcclusionKnobs {
   static constexpr std::string_view name = "occlusion";
-  // What the depth buffer shows; rays where surfaces are shaded; rays from texels, which are filtered.
-  enum : int { screen, at_surfaces, by_rays };
-  int method = screen;
+  // What the depth buffer shows; rays where surfaces are shaded; rays from texels, which are filtered; and the last or
+  // the first of these, by the scene (job/choose_occlusion.h): a frame's knobs never hold it.
+  enum : int { screen, at_surfaces, by_rays, automatic };
+  int method = automatic;
   bool sends_rays() const { return method != screen; }
-  int rays = 64;
+  int rays = 4;
   int texel_px = 2;
   int slices = 3;
   int samples = 6;

@@ -13,7 +13,8 @@ layout(constant_id = 0) const int DEPTH_SAMPLES = 0;
 #include "lib/fog_light.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 
-const float SHORTEST_M = 0.05, LONGEST_M = 25.0;
+// Steps, in the grid's nearest depths.
+const float SHORTEST = 0.2, LONGEST = 100.0;
 
 // Optical depth over a stretch, the mean of the channels.
 float mean_depth(FogRay ray, float begin_m, float end_m) {
@@ -35,6 +36,7 @@ void main() {
   // Interleaved gradient noise (Jimenez 2014), of the texel and the job's seed, never of the frame's number.
   const vec2 place = vec2(texel + uvec2(pc.seed & 63u, pc.seed >> 6 & 63u));
   const float noise = fract(52.9829189 * fract(dot(place, vec2(0.06711056, 0.00583715))));
+  const float shortest_m = SHORTEST * frame.fog.nearest_m, longest_m = LONGEST * frame.fog.nearest_m;
   float at = fog_inside(ray.origin, ray.direction, vec2(0.0, end_m)).x, depth = 0.0;
   precise vec3 sum = vec3(0.0);
   for (uint first = 0u; first < pc.steps; first += uint(FOG_RUN)) {
@@ -42,9 +44,9 @@ void main() {
     float node_m[FOG_RUN + 1];
     node_m[0] = min(at, end_m);
     for (int j = 0; j < FOG_RUN; ++j) {
-      const float left = exp(-depth), extinction = mean_depth(ray, at, at + SHORTEST_M) / SHORTEST_M;
-      float step = LONGEST_M;
-      if (left > pc.loss && extinction > 0.0) step = clamp(-log(1.0 - pc.loss / left) / extinction, SHORTEST_M, step);
+      const float left = exp(-depth), extinction = mean_depth(ray, at, at + shortest_m) / shortest_m;
+      float step = longest_m;
+      if (left > pc.loss && extinction > 0.0) step = clamp(-log(1.0 - pc.loss / left) / extinction, shortest_m, step);
       // The last one goes to the end: nothing of the ray is left out.
       const float next = first + uint(j) + 1u >= pc.steps ? end_m : min(at + step, end_m);
       depth = min(depth + mean_depth(ray, at, next), 1e6);

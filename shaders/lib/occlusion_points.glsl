@@ -56,6 +56,6 @@ vec3 unpack_normal(uint bits) { return normal_at_place(unpackSnorm2x16(bits)); }
 // of the distance from the camera.
 const float OCCLUSION_PLANE_TOLERANCE = 0.01;
 float occlusion_likeness(vec3 point, vec3 p, vec3 n) {
-  const float off = dot(n, point - p) / (OCCLUSION_PLANE_TOLERANCE * max(-p.z, 1e-6));
+  const float off = dot(n, point - p) / (OCCLUSION_PLANE_TOLERANCE * max(-p.z, 1e-30));
   return exp2(-off * off);
 }

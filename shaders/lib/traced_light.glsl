@@ -180,9 +180,9 @@ vec3 traced_soft_light(LightRef light, uint number, BrdfTerms brdf, vec3 positio
 #endif
     send_rays();
   const LightCap cap = light_cap(light, position);
-  if (cap.radius_m > MIN_LIGHT_DISTANCE_M && cap.centre_m < cap.radius_m) {
-    const float held = max(cap.centre_m, MIN_LIGHT_DISTANCE_M);
-    arriving *= held * held / (cap.radius_m * cap.radius_m);
+  if (cap.centre_m < cap.radius_m) {
+    const float radius2 = cap.radius_m * cap.radius_m;
+    arriving *= max(cap.centre_m * cap.centre_m, min(1e-30, radius2)) / radius2;
   }
   // Over a cap the mean cosine to its middle is 1 - height / 2; from all sides a surface gets a quarter of what comes.
   arriving *= cap.height == 2.0 ? 4.0 : 1.0 / (1.0 - 0.5 * cap.height);

@@ -6,11 +6,11 @@ SHARED_BEGIN
 
 #ifdef __cplusplus
 inline constexpr uint max_sun_cascades = 8;
-inline constexpr float lamp_near_m = 1e-4f, lamp_kernel_texels = 2;
+inline constexpr float lamp_near_m = 1e-16f, lamp_kernel_texels = 2;
 inline constexpr uint lamp_shadow_bit = 0x80000000u;
 #else
 const uint max_sun_cascades = 8u;
-const float lamp_near_m = 1e-4, lamp_kernel_texels = 2.0;
+const float lamp_near_m = 1e-16, lamp_kernel_texels = 2.0;
 const uint lamp_shadow_bit = 0x80000000u;  // of Light.shadow
 #endif
 

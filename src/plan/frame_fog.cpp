@@ -6,8 +6,9 @@
 namespace candela {
 namespace {
 
-// The first slice reaches from the camera this far: thinner ones would show nothing but themselves.
-constexpr double first_slice_m = 0.25;
+// The first slice reaches from the camera this part of how far is drawn: thinner ones would show nothing but
+// themselves.
+constexpr double first_slice = 1.0 / 1024;
 // Behind this optical depth e^-30 (1e-13) of the light is left.
 constexpr double deepest = 30;
 // What floats can still multiply by themselves; beyond it is as good as at infinity.
@@ -20,7 +21,9 @@ struct Depths {
 // Depths between which there are both fog and something that it is seen before or lit by.
 Depths seen_depths(const Fog& fog, const View& view, const FrameData& data, double farthest_m) {
   const glm::dvec3 forward = -glm::dvec3(glm::transpose(view.view_from_relative)[2]);
-  Depths d{first_slice_m, std::isfinite(farthest_m) ? farthest_m : farthest_of_all_m};
+  Depths d{0, std::isfinite(farthest_m) ? farthest_m : farthest_of_all_m};
+  const double first_slice_m = first_slice * d.farthest_m;
+  d.nearest_m = first_slice_m;
   for (const LightItem& light : data.lights) {
     if (light.type == LightType::directional) continue;
     const double depth = glm::dot(glm::dvec3(light.position), forward);
@@ -52,7 +55,7 @@ Depths seen_depths(const Fog& fog, const View& view, const FrameData& data, doub
     d.nearest_m = std::min(d.nearest_m, 0.1 / (thickest * level));
   if (fog.falloff_per_m == 0 && std::isfinite(thinnest))
     d.farthest_m = std::min(d.farthest_m, std::max(d.nearest_m, 0.0) + deepest / thinnest);
-  d.nearest_m = std::clamp(d.nearest_m, 1e-12, 1e14);
+  d.nearest_m = std::clamp(d.nearest_m, 1e-24, 1e14);
   d.farthest_m = std::clamp(d.farthest_m, 4 * d.nearest_m, farthest_of_all_m);
   return d;
 }

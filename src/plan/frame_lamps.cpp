@@ -37,17 +37,21 @@ struct Candidate {
   std::vector<int> faces;  // that matter to the picture
 };
 
-// What a light can add to the picture: its light on what it stands before, a metre off, in the fraction of the picture
-// that this takes; where the light is outside of the view, no nearer than the view is. 0: it lights nothing of it.
+// What a light can add to the picture: its light on what it stands before, where it gives near_lux, in the fraction of
+// the picture that this takes; where the light is outside of the view, no nearer than the view is. 0: it lights nothing
+// of it.
+constexpr double near_lux = 100;
 double importance_of(const LightItem& light, const View& view, const FrustumPlanes& planes) {
   const glm::dvec3 position(light.position);
   const double candela = glm::dot(glm::dvec3(light.intensity), glm::dvec3(0.2126, 0.7152, 0.0722));
   double outside_m = 0;
   for (const glm::dvec4& plane : planes)
     outside_m = std::max(outside_m, -(glm::dot(glm::dvec3(plane), position) + plane.w));
-  const double away_m = view.perspective ? glm::length(position) : 1;
+  const double near_m = std::max(std::sqrt(candela / near_lux), 1e-30);
+  const double away_m = view.perspective ? glm::length(position) : near_m;
   if (!(outside_m < double(light.range_m)) || !std::isfinite(away_m)) return 0;
-  const double importance = candela / std::pow(std::max(away_m, 1.0) * std::max(outside_m, 1.0), 2);
+  const double importance =
+      near_lux * std::pow(near_m / std::max(away_m, near_m) * near_m / std::max(outside_m, near_m), 2);
   return std::isfinite(importance) ? std::max(importance, 0.0) : 0;
 }
 

@@ -94,6 +94,7 @@ Expected<FrameSuns> plan_suns(const Scene& scene, const SurveyedFrame& frame, co
   }
   SunFit fit = drawn_fit(scene, data, frame.view);
   fit.most_px = most_map_px(options.longer_side_px, request.quality);
+  fit.scene_size_m = options.scene_size_m;
   const bool single = SunMode(knobs.mode) == SunMode::single;
   if (const int wished = single ? knobs.single_px : knobs.size_px; uint32_t(wished) > fit.most_px)
     out.notes.push_back(

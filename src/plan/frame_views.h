@@ -53,6 +53,7 @@ struct ShadowMaps {
 // What both kinds of maps depend on beside their own knobs.
 struct MapOptions {
   int longer_side_px = 0;    // of the picture
+  double scene_size_m = 0;   // GeometryLayout::size_m
   bool culling = true;       // the pass that culls does so
   bool see_through = false;  // see-through surfaces are drawn into the views
 };

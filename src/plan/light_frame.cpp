@@ -66,6 +66,7 @@ Expected<LitFrame> light_frame(const AskedFrame& asked, const SurveyedFrame& fra
   clock.begin("sun_shadows");
   lit.shadow_colors = draws_shadow_colors(frame.facts, request, knobs);
   const MapOptions maps{.longer_side_px = std::max(request.width_px, request.height_px),
+                        .scene_size_m = context.layout.size_m,
                         .culling = knobs.get<Cull::Knobs>().enabled != 0,
                         .see_through = lit.shadow_colors};
   auto suns = plan_suns(context.scene, frame, packed, knobs.get<SunKnobs>(), maps);

@@ -11,14 +11,16 @@ namespace {
 
 bool is_finite(glm::dvec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-// Slices begin no nearer than this, and end here where nothing is known of what is drawn.
-constexpr double nearest_split_m = 0.01, unknown_far_m = 1000;
+// Slices begin no nearer than this part of how far is drawn; where that is not known, of the nearest times this.
+constexpr double nearest_part = 1e-4, unknown_far = 1e5;
 
-// Up to the next of 64 steps an octave, so that a size that drifts from frame to frame keeps its texels for long.
-double quantised_up(double size) {
-  if (!(size > 0)) return 0;
-  const double step = std::exp2(std::floor(std::log2(size))) / 64;
-  return std::ceil(size / step) * step;
+// Up to the next of 64 steps an octave of the unit, so that a size that drifts from frame to frame keeps its texels for
+// long.
+double quantised_up(double size, double unit) {
+  const double units = size / unit;
+  if (!(units > 0)) return 0;
+  const double step = std::exp2(std::floor(std::log2(units))) / 64;
+  return std::ceil(units / step * (1 - 1e-9)) * step * unit;
 }
 
 // Across and along a light, absolute: x right, y up, z towards the light.
@@ -67,7 +69,7 @@ DAabb corner_box(const LightSpace& light, const View& view, double near_m, doubl
 Square clipped(Square square, const DAabb& drawn) {
   const glm::dvec2 low(drawn.min), high(drawn.max);
   if (!is_finite(drawn.min) || !is_finite(drawn.max)) return square;
-  const double half_m = std::max({high.x - low.x, high.y - low.y, 1e-6}) / 2 * (1 + 1e-6);
+  const double half_m = std::max({high.x - low.x, high.y - low.y, 1e-6 * square.half_m}) / 2 * (1 + 1e-6);
   if (half_m >= square.half_m) return square;
   return {(low + high) / 2.0, half_m};
 }
@@ -135,12 +137,15 @@ SunCascades fit_sun_cascades(glm::dvec3 direction, const View& view, const SunFi
   const int count = single ? 1 : knobs.cascades;
   const uint32_t size_px = std::min(uint32_t(single ? knobs.single_px : knobs.size_px), fit.most_px);
 
-  // Depths of the view that are divided. What is drawn beyond knobs.distance_m is left to the last cascade.
+  // Depths of the view that are divided. What is drawn beyond that part of them is left to the last cascade.
   const bool knows_depth = std::isfinite(fit.farthest_m) && fit.farthest_m > 0;
-  const double drawn_far_m = knows_depth ? quantised_up(fit.farthest_m * (1 + 1e-6)) : unknown_far_m;
-  const double near_m = std::max({view.near_m, nearest_split_m, knows_depth ? quantised_up(fit.nearest_m) / 2 : 0.0});
+  const double unit = fit.scene_size_m > 0 ? fit.scene_size_m : 1;
+  const double least_near_m = std::max(view.near_m, 1e-30);
+  const double drawn_far_m = knows_depth ? quantised_up(fit.farthest_m * (1 + 1e-6), unit) : unknown_far * least_near_m;
+  const double near_m =
+      std::max({least_near_m, nearest_part * drawn_far_m, knows_depth ? quantised_up(fit.nearest_m, unit) / 2 : 0.0});
   const double far_m = std::max(drawn_far_m, 2 * near_m);
-  const double split_far_m = knobs.distance_m > 0 ? std::clamp(double(knobs.distance_m), 2 * near_m, far_m) : far_m;
+  const double split_far_m = std::clamp(double(knobs.distance) * far_m, 2 * near_m, far_m);
   std::vector<double> ends = cascade_splits(near_m, split_far_m, count, double(knobs.split_lambda));
   ends.back() = far_m;
 
@@ -153,7 +158,7 @@ SunCascades fit_sun_cascades(glm::dvec3 direction, const View& view, const SunFi
     high = drawn.max.z - low < 4 * (high - low) ? drawn.max.z : std::min(high, drawn.max.z);
     if (single) low = drawn.min.z, high = drawn.max.z;
   }
-  const double slack = std::max((high - low) * 1e-3, 1e-6);
+  const double slack = std::max((high - low) * 1e-3, 1e-6 * far_m);
   low -= slack;
   high = std::max(high, low) + slack;
   const double range_m = high - low;
@@ -184,7 +189,7 @@ SunCascades fit_sun_cascades(glm::dvec3 direction, const View& view, const SunFi
       square = {glm::dvec2(light.of(slice.centre)), slice.radius_m};
     }
     square = clipped(square, drawn);
-    const double half_m = quantised_up(square.half_m * grown), texel_m = 2 * half_m / size_px;
+    const double half_m = quantised_up(square.half_m * grown, unit), texel_m = 2 * half_m / size_px;
     square = {glm::floor(square.centre / texel_m) * texel_m, half_m};
     const glm::dvec2 centre = square.centre - glm::dvec2(camera);
     const double covered_m = half_m - border_texels * texel_m;

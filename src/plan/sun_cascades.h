@@ -16,6 +16,7 @@ struct SunFit {
   DAabb drawn_relative;                  // of what casts and receives; not finite where bounds are unknown
   double nearest_m = 0, farthest_m = 0;  // depths of what is drawn along the view axis; infinite when unknown
   uint32_t most_px = ~0u;                // side that a map needs at most
+  double scene_size_m = 1;               // sizes are rounded to parts of it
 };
 
 // One sun's cascades: what the surfaces read, and the views that its maps are drawn from.

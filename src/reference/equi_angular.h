@@ -25,9 +25,10 @@ class EquiAngular {
     return {nearest_m_ - half, nearest_m_ + half};
   }
   void limit(Span span) {
-    // Beside the light the inverse square is held, and so is this.
-    h_ = std::max(aside_m_, least_light_distance_m);
     from_ = span.begin_m - nearest_m_, to_ = span.end_m - nearest_m_;
+    // Not 0 on a ray through the light.
+    const double widest_m = std::max(std::abs(from_), std::isinf(to_) ? 0.0 : std::abs(to_));
+    h_ = std::max({aside_m_, 1e-5 * widest_m, 1e-30});
     // The difference of two arc tangents, as the angle between the two directions: no cancellation where the light is
     // far.
     angle_ = std::isinf(to_) ? std::atan2(h_, from_) : std::atan2(h_ * (to_ - from_), h_ * h_ + from_ * to_);

@@ -71,11 +71,11 @@ class InViewOfLights {
     const double nearest_m = glm::dot(to_centre, direction), along = std::clamp(nearest_m, span.begin_m, span.end_m);
     const double to_part = std::max(glm::length(to_centre - along * direction) - node.radius, 0.0);
     if (to_part > node.extent.range_m * (1 + 1e-9)) return 0;
+    constexpr double least_m = 1e-30;
     const double to_line = glm::length(to_centre - nearest_m * direction) - node.radius;
-    const double held = std::max(to_part, least_light_distance_m);
+    const double held = std::max(to_part, least_m);
     return node.extent.power / std::numbers::pi * (1 + 1e-9) *
-           std::min(std::numbers::pi / std::max(to_line, least_light_distance_m),
-                    (span.end_m - span.begin_m) / (held * held));
+           std::min(std::numbers::pi / std::max(to_line, least_m), (span.end_m - span.begin_m) / (held * held));
   }
   void consider(const PunctualLight& light, glm::dvec3 origin, glm::dvec3 direction, Span span) {
     const Span seen = lit_part(light, origin, direction, span);

@@ -137,7 +137,7 @@ double LampsAlongRay::importance(const LightTree::Node& node) const {
   // As if all of it hung in the middle, at least as far from the ray as the cluster is wide.
   const glm::dvec3 to_centre = node.centre - origin_;
   const double nearest_m = glm::dot(to_centre, direction_), aside2 = glm::dot(to_centre, to_centre) - square(nearest_m);
-  const double held = std::max({std::sqrt(std::max(aside2, 0.0)), node.radius, least_light_distance_m});
+  const double held = std::max({std::sqrt(std::max(aside2, 0.0)), node.radius, 1e-5 * std::abs(nearest_m), 1e-30});
   double from = span_.begin_m - nearest_m, to = span_.end_m - nearest_m;
   if (std::isfinite(node.extent.range_m)) {
     const double reach = node.radius + node.extent.range_m;

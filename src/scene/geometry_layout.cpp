@@ -1,5 +1,7 @@
 #include "scene/geometry_layout.h"
 
+#include <cmath>
+
 #include <cstring>
 
 #include "scene/draw_list.h"
@@ -99,6 +101,8 @@ Expected<GeometryLayout> layout_geometry(const Scene& scene) {
     }
   }
   layout.vertex_words = cursor.words();
+  const double size_m = 2 * glm::length(world_bounds(scene, evaluate_pose(scene, {}, 0)).extent());
+  layout.size_m = std::isfinite(size_m) ? size_m : 0;
   return layout;
 }
 

@@ -14,7 +14,8 @@ namespace candela {
 namespace {
 
 constexpr double default_yfov_rad = std::numbers::pi / 4;
-constexpr double largest_near_m = 0.01;
+// Of the distance to what is looked at; with reversed float depth a near plane costs no precision.
+constexpr double near_part = 1e-3;
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 bool is_finite(glm::dvec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
@@ -125,7 +126,7 @@ View framed(const CameraRequest& request, double yfov_rad, ImageSize size, const
   const glm::dvec3 back(std::sin(yaw) * std::cos(pitch), std::sin(pitch), std::cos(yaw) * std::cos(pitch));
   const glm::dvec3 eye = target + back * distance;
   place(view, eye, glm::dmat3(look_at_pose(back, glm::dvec3(0))));
-  set_perspective(view, yfov_rad, std::min({largest_near_m, 0.01 * distance, 0.5 * (distance - radius)}), size);
+  set_perspective(view, yfov_rad, std::min(near_part * distance, 0.5 * (distance - radius)), size);
   view.name = framed_name;
   return finished(std::move(view));
 }
@@ -145,7 +146,7 @@ ViewHulls hulls_to_frame(ViewHulls hulls, const glm::dmat3& axes, std::vector<st
 View moved_to(const Fit& fit, View view, ImageSize size, const DrawnBounds& bounds, const char* name) {
   view.position = fit.position;
   if (view.perspective) {
-    view.near_m = std::min(largest_near_m, 0.5 * fit.nearest_m);
+    view.near_m = near_part * fit.nearest_m;
     view.clip_from_view = perspective_reversed_infinite(view.tan_x, view.tan_y, view.near_m);
   } else {
     view.tan_y = fit.half_height, view.tan_x = fit.half_height * size.aspect();
@@ -192,7 +193,7 @@ Expected<View> from_eye(const CameraRequest& request, double yfov_rad, ImageSize
     return fail(ErrorKind::usage, "", "the eye and the target are too far apart or too close");
   // From the direction alone: at 1e6 m the difference is exact, while unit vectors of the positions are not.
   place(view, eye, glm::dmat3(look_at_pose((eye - target) / distance, glm::dvec3(0))));
-  set_perspective(view, yfov_rad, std::min(largest_near_m, 0.01 * distance), size);
+  set_perspective(view, yfov_rad, near_part * distance, size);
   view.name = "eye and target";
   return finished(std::move(view));
 }

@@ -8,7 +8,7 @@ namespace candela {
 
 // Light that fog scatters once towards the camera, followed along rays of coarse texels through the lists of lights: at
 // most 64 steps, each as long as takes a fortieth of the light from the camera on, -ln(1 - 0.025/T)/extinction with T
-// what is left there, 0.05 to 25 m (knobs fog.march_*), and light taken at a point of each that differs from texel to
+// what is left there, 0.2 to 100 times the depth of the grid's first slice (knobs fog.march_*), and light taken at a point of each that differs from texel to
 // texel and from seed to seed. Surfaces take the texels about them by depth (shaders/lib/coarse_light.glsl). Units:
 // radiance as in beauty, pre-exposed; the texel's depth beside it.
 //

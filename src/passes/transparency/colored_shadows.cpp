@@ -60,8 +60,6 @@ std::span<const Knob> ColoredShadowKnobs::table() {
 
 Need ColoredShadows::needed(const SceneFacts& facts, const FrameRequest& request) const {
   if (facts.blend_items + facts.refracting_items == 0) return {false, "the scene has no surface that is seen through"};
-  if (request.transparency != method_with_glass)
-    return {false, fmt::format("--transparency {} lets light through without colour", request.transparency)};
   if (facts.lit_items == 0) return {false, "the scene has no opaque or masked surface that takes light"};
   return needed_if(knobs.scale != Knobs::off, "colored_shadows.scale is off");
 }

@@ -2,8 +2,8 @@
 //
 // Under a sky image each lobe takes it as wide as it is, with method `sampled` as exactly as samples are many.
 // Approximate in the others, beside what the base's own are: iridescence by the mean over eight facets that the viewer
-// sees; stretched facets by a mirror direction about a bent normal and round ones of the mean width; sheen by sixteen
-// directions; light from behind as occluded as that in front, and the base below sheen by the viewer's direction alone.
+// sees; stretched facets by some directions, each as wide as its fraction (Colbert and Krivanek, "GPU-Based Importance
+// Sampling", 2007); sheen by sixteen directions; light from behind as occluded as that in front, and the base below sheen by the viewer's direction alone.
 // Under harmonics alone: the film at the cosine to the viewer, sheen by its albedo and the light about the normal. The
 // coat reflects as the base does, by its own normal and roughness.
 
@@ -31,14 +31,60 @@ vec3 coat_of_sky(Surface s, BrdfTerms b) {
   const Surface coat = coat_surface(s);
   return whole_sky_lobes(coat, coat_terms(b), coat.normal).specular * (PROBE_COUNT != 0 ? probes.left : 1.0);
 }
+// Of the sky through stretched facets, in its own axes, by directions that the viewer's visible normals give (Heitz
+// 2018). Bright spots are lights.
+vec3 stretched_sky(BrdfTerms b) {
+  const uint count = frame.image_light.pixel_samples;
+  const mat3 axes = mat3(b.lobes.tangent, b.lobes.bitangent, b.normal);
+  const vec2 alpha = vec2(b.lobes.tangent_alpha, b.alpha);
+  vec3 v = b.to_viewer * axes;
+  v = normalize(vec3(v.xy, max(v.z, 1e-4)));
+  const float length_v = length(vec3(alpha * v.xy, v.z));
+  const vec3 stretched = vec3(alpha * v.xy, v.z) / length_v;
+  const float across2 = dot(stretched.xy, stretched.xy);
+  const vec3 t1 = across2 > 1e-12 ? vec3(-stretched.y, stretched.x, 0.0) * inversesqrt(across2) : vec3(1.0, 0.0, 0.0);
+  const vec3 t2 = cross(stretched, t1);
+  const float g1 = 2.0 * v.z / (v.z + length_v);
+  vec3 sum = vec3(0.0);
+  for (uint i = 0u; i < count; ++i) {
+    const float u = (float(i) + 0.5) / float(count), phi = 2.3999632 * float(i);
+    const vec2 disc = sqrt(u) * vec2(cos(phi), sin(phi));
+    const float seen = 0.5 * (1.0 + stretched.z);
+    const float y = (1.0 - seen) * sqrt(max(1.0 - disc.x * disc.x, 0.0)) + seen * disc.y;
+    const vec3 nh = disc.x * t1 + y * t2 + sqrt(max(1.0 - disc.x * disc.x - y * y, 0.0)) * stretched;
+    const vec3 h = normalize(vec3(alpha * nh.xy, max(nh.z, 1e-6)));
+    const float v_h = dot(v, h);
+    const vec3 l = 2.0 * v_h * h - v;
+    if (l.z <= 0.0 || v_h <= 0.0) continue;
+    const float g2 = 2.0 * l.z * v.z / (l.z * length_v + v.z * length(vec3(alpha * l.xy, l.z)));
+    const vec3 q = vec3(h.xy / alpha, h.z);
+    const float k = dot(q, q), pdf = g1 / (4.0 * PI * alpha.x * alpha.y * k * k * v.z);
+    // The round lobe about a mirror direction that is as wide.
+    const float round_alpha = sqrt(1.0 / (float(count) * pdf * 4.0 * PI));
+    const float slice = max(slice_of_roughness(sqrt(min(round_alpha, 1.0))), float(sky_lights_from));
+    sum += base_fresnel(b, v_h).specular * (g2 / g1) * filtered_sky(axes * l, slice);
+  }
+  return sum / float(count) + sky_lights(b, float(sky_lights_from));
+}
+BrdfTerms turned_to_sky(BrdfTerms b) {
+  b.normal = in_sky(b.normal);
+  b.to_viewer = in_sky(b.to_viewer);
+  b.lobes.tangent = in_sky(b.lobes.tangent);
+  b.lobes.bitangent = in_sky(b.lobes.bitangent);
+  return b;
+}
 AmbientLobes base_of_sky(Surface s, BrdfTerms b, vec3 facing) {
   if (IBL_METHOD != ibl_sampled) b = under_film(b, IBL_METHOD != 0);
   const Surface round = with_round_facets(s);
   AmbientLobes lobes = whole_sky_lobes(round, b, facing);
   if (HAS_ANISOTROPY && s.lobes.anisotropy > 0.0 && IBL_METHOD != ibl_sampled) {
-    // As much of an even sky as stretched facets with their gain: a white metal all of it.
-    const vec2 albedo = split_sum(round.roughness, clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0)).xy;
-    lobes.specular /= (1.0 + facets_further_bounces(s, b)) * (albedo.x + albedo.y);
+    if (IBL_METHOD == 0) {
+      // As much of an even sky as stretched facets with their gain: a white metal all of it.
+      const vec2 albedo = split_sum(round.roughness, clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0)).xy;
+      lobes.specular /= (1.0 + facets_further_bounces(s, b)) * (albedo.x + albedo.y);
+    } else {
+      lobes.specular = frame.sky_intensity * stretched_sky(turned_to_sky(b));
+    }
   }
   if (PROBE_COUNT != 0) lobes.specular *= probes.left;
   return lobes;

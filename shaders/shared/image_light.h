@@ -32,7 +32,7 @@ struct ImageLight {
   uint64_t slices, lights;
   uint texture, irradiance_texture, lobe_texture, clamp_sampler;  // bindless; absent without image-based light
   uint light_count;
-  uint pixel_samples;
+  uint pixel_samples;  // of a lobe where the sky is sampled; of stretched facets where it is filtered
   vec2 irradiance_uv;  // offset and scale, as a slice's, on both axes
   vec2 rest_px;        // method sampled: size of the sky without its bright spots, which is the texture then
 };

@@ -84,7 +84,8 @@ std::shared_ptr<GpuSky::Maps> GpuSky::make_maps(const FrameSky& sky, const IblKn
   maps->key = sky.key(), maps->knobs = knobs;
   shared::ImageLight& light = maps->light;
   light.texture = light.irradiance_texture = light.lobe_texture = shared::absent;
-  light.pixel_samples = uint32_t(knobs.pixel_samples);
+  const bool sampled = IblMethod(knobs.method) == IblMethod::sampled;
+  light.pixel_samples = uint32_t(sampled ? knobs.pixel_samples : knobs.stretched_samples);
   if (IblMethod(knobs.method) == IblMethod::sampled)
     load_divided(*maps, sky);
   else

@@ -59,6 +59,16 @@ std::span<const Knob> IblKnobs::table() {
        .description = "method sampled: samples a pixel for each lobe",
        .sweep = {16, 64, 256, 1024},
        .required = "ibl.method=sampled"},
+      {.name = "stretched_samples",
+       .member = &IblKnobs::stretched_samples,
+       .lowest = 1,
+       .highest = 1 << 16,
+       .levels = {12, 24, 48, 1024},
+       .description =
+           "directions from which a pixel of stretched metal (anisotropy) takes the sky, each as wide as its "
+           "fraction; fewer show as steps",
+       .sweep = {8, 24, 48, 256},
+       .required = filtered},
   };
   return rows;
 }

@@ -10,6 +10,7 @@
 #include "passes/transparency/phenomenological.h"
 #include "passes/volumes/fog_layers.h"
 #include "plan/device_pose.h"
+#include "plan/light_end.h"
 #include "plan/posed_scene.h"
 #include "scene/neutral_light.h"
 
@@ -41,6 +42,30 @@ Expected<void> check_divided(SurveyedFrame& f) {
                   "--transparency layers or sorted",
                   part.name, f.request.transparency);
   return {};
+}
+
+// Gives lights without a range one, as the knobs say.
+void end_lights(const LightRangeKnobs& knobs, const Scene& scene, SurveyedFrame& f) {
+  LightEnd end{std::max(knobs.floor_lux, 0.0f)};
+  const bool by_loss = knobs.floor_lux < 0;
+  // What lights ended at before their loss was known (docs/decisions.md).
+  constexpr double usual_lux = 0.01;
+  if (by_loss) end = choose_light_end(scene, f.data, double(knobs.lost), double(f.request.exposure_ev), usual_lux);
+  const uint32_t bounded = apply_light_floor(f.data.lights, end.floor_lux);
+  if (bounded == 0) return;
+  const std::string lights =
+      fmt::format("{} light{} without range end{} where {} would give less than {:.3g} lux", bounded,
+                  bounded == 1 ? "" : "s", bounded == 1 ? "s" : "", bounded == 1 ? "it" : "they", end.floor_lux);
+  if (!by_loss)
+    f.notes.push_back(lights + " (lights.floor_lux; 0 for none)");
+  else if (!end.held)
+    f.notes.push_back(
+        fmt::format("{}: surfaces lose at most {:.2g} % of their light (lights.lost)", lights, 100 * end.lost));
+  else
+    f.notes.push_back(
+        fmt::format("{}: surfaces lose up to {:.2g} % of their light, more than lights.lost allows, for "
+                    "lists would grow too long (lights.floor_lux=0 for none)",
+                    lights, 100 * end.lost));
 }
 
 }  // namespace
@@ -78,11 +103,7 @@ Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext&
         "the scene has no light and no sky is given: a neutral light is used so that it is seen (--sky sets one)");
   if (f.facts.draw_items == 0)
     f.notes.push_back("nothing is visible at this time: the image holds the background alone");
-  const float floor_lux = asked.knobs.get<LightRangeKnobs>().floor_lux;
-  if (const uint32_t bounded = apply_light_floor(f.data.lights, floor_lux))
-    f.notes.push_back(fmt::format(
-        "{} light{} without range end{} where {} would give less than {} lux (lights.floor_lux; 0 for none)", bounded,
-        bounded == 1 ? "" : "s", bounded == 1 ? "s" : "", bounded == 1 ? "it" : "they", floor_lux));
+  end_lights(asked.knobs.get<LightRangeKnobs>(), context.scene, f);
   return f;
 }
 

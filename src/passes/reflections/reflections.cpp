@@ -110,7 +110,7 @@ Need Reflections::needed(const SceneFacts& facts, const FrameRequest& request) c
 }
 
 bool Reflections::ignores(std::string_view knob) const {
-  if (knobs.method == Knobs::screen) return knob == "floor_lux";
+  if (knobs.method == Knobs::screen) return knob == "floor_lux" || knob == "lost";
   return knob == "steps" || knob == "thickness" || knob == "fade";
 }
 

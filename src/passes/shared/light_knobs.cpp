@@ -101,14 +101,23 @@ std::span<const Knob> LightKnobs::table() {
 
 std::span<const Knob> LightRangeKnobs::table() {
   static const Knob table[] = {
+      {.name = "lost",
+       .member = &LightRangeKnobs::lost,
+       .lowest = 0,
+       .highest = 1,
+       .levels = {0.05, 0.02, 0.005, 0},
+       .description =
+           "lights without range end where no surface loses more of its light than this, or of a hundredth of "
+           "what is white; 0: nowhere, so that every pixel walks them",
+       .sweep = {0.05, 0.02, 0.005, 0}},
       {.name = "floor_lux",
        .member = &LightRangeKnobs::floor_lux,
        .unit = "lux",
-       .lowest = 0,
+       .lowest = LightRangeKnobs::by_loss,
        .highest = 1e6,
-       .levels = {1, 0.1, 0.01, 0},
-       .description =
-           "a light without range ends where it gives less than this; 0: nowhere, so that every pixel walks it"},
+       .levels = {LightRangeKnobs::by_loss, LightRangeKnobs::by_loss, LightRangeKnobs::by_loss, 0},
+       .description = "a light without range ends where it gives less than this; 0: nowhere; -1: as lights.lost says",
+       .sweep = {1, 0.1, 0.01, 0}},
   };
   return table;
 }

@@ -29,7 +29,9 @@ struct LightKnobs {
 // Where lights without a range end, for the passes that shade under them.
 struct LightRangeKnobs {
   static constexpr std::string_view name = "lights";
-  float floor_lux = 0;
+  static constexpr float by_loss = -1;
+  float lost = 0.005f;
+  float floor_lux = by_loss;
   static std::span<const Knob> table();
 };
 

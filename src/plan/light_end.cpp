@@ -1,0 +1,160 @@
+#include "plan/light_end.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "base/rng.h"
+
+namespace candela {
+namespace {
+
+constexpr size_t most_points = 256, least_points = 32, most_pairs = 4'000'000;
+// A point may have so many lights on average, whatever usual_lux gives: the fewer, the more may be lost.
+double least_lights(double most_lost) { return 3.2 / most_lost; }
+// Points that did not choose lose more than those that did.
+constexpr double care = 0.5;
+// Illuminances by powers of two, two bins each.
+constexpr int bins_per_octave = 2, least_exponent = -80, bins = 160 * bins_per_octave;
+
+int bin_of(double lux) {
+  const double at = (std::log2(lux) - least_exponent) * bins_per_octave;
+  return int(std::clamp(std::floor(at), 0.0, double(bins - 1)));
+}
+double edge_of(int bin) { return std::exp2(least_exponent + double(bin) / bins_per_octave); }
+
+struct Point {
+  glm::dvec3 position, normal;  // relative
+};
+
+// On the surfaces of what is drawn.
+std::vector<Point> points_on(const Scene& scene, const FrameData& data, size_t count) {
+  std::vector<double> ends;  // of the items' parts of all bounds' areas
+  double sum = 0;
+  for (const DrawItem& item : data.items) {
+    const glm::dvec3 e(item.bounds_relative.extent());
+    const double area = e.x * e.y + e.y * e.z + e.z * e.x;
+    const MeshSection& section = scene.meshes[item.mesh].sections[item.section];
+    const bool known = section.topology == Topology::triangles && section.index.size() >= 3 && std::isfinite(area);
+    ends.push_back(sum += known ? area : 0);
+  }
+  std::vector<Point> points;
+  if (!(sum > 0)) return points;
+  Rng rng(27);
+  for (size_t i = 0; i < count; ++i) {
+    const double at = (double(i) + rng.uniform()) / double(count) * sum;
+    const size_t n = std::min(size_t(std::upper_bound(ends.begin(), ends.end(), at) - ends.begin()), ends.size() - 1);
+    const DrawItem& item = data.items[n];
+    const MeshSection& section = scene.meshes[item.mesh].sections[item.section];
+    const size_t triangle =
+        std::min(size_t(rng.uniform() * double(section.index.size() / 3)), section.index.size() / 3 - 1);
+    const double across = std::sqrt(rng.uniform()), v = rng.uniform();
+    const glm::dmat4 m(data.relative_from_local[item.transform]);
+    glm::dvec3 corner[3];
+    for (size_t k = 0; k < 3; ++k)
+      corner[k] = glm::dvec3(m * glm::dvec4(glm::dvec3(section.position[section.index[3 * triangle + k]]), 1));
+    const glm::dvec3 normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
+    const double size = glm::length(normal);
+    if (!(size > 0) || !std::isfinite(size)) continue;
+    points.push_back({(1 - across) * corner[0] + across * ((1 - v) * corner[1] + v * corner[2]), normal / size});
+  }
+  return points;
+}
+
+// What a side of a point gets, by how much the lights give where they are faced.
+struct Received {
+  double all = 0;  // lux
+  double lights = 0;
+  std::vector<double> below, inverse;  // by bin: of lights without range, sums of w c and of w / c; w: the cosine
+  std::vector<double> count;           // of lights by bin
+  Received() : below(bins), inverse(bins), count(bins) {}
+};
+
+void receive(const LightItem& light, double weight, const Point& p, Received side[2]) {
+  const glm::dvec3 to_light = glm::dvec3(light.position) - p.position;
+  const double strongest = double(std::max({light.intensity.x, light.intensity.y, light.intensity.z}));
+  const double d2 = glm::dot(to_light, to_light);
+  if (!(strongest > 0) || !std::isfinite(d2) || light.type == LightType::directional) {
+    if (light.type != LightType::directional || !(strongest > 0)) return;
+    const double cosine = -glm::dot(glm::dvec3(light.direction), p.normal);
+    side[cosine < 0].all += strongest * std::abs(cosine);
+    return;
+  }
+  const double d = std::sqrt(std::max(d2, 1e-30));
+  const glm::dvec3 l = to_light / d;
+  double cone = 1;
+  if (light.type == LightType::spot) {
+    const double inner = std::cos(double(light.inner_cone_rad)), outer = std::cos(double(light.outer_cone_rad));
+    cone = std::clamp((glm::dot(-l, glm::dvec3(light.direction)) - outer) / std::max(0.001, inner - outer), 0.0, 1.0);
+    cone *= cone;
+  }
+  const double cosine = glm::dot(l, p.normal), w = weight * cone * std::abs(cosine);
+  if (!(w > 0)) return;
+  Received& r = side[cosine < 0];
+  const double c = std::clamp(strongest / (d * d), edge_of(0), edge_of(bins - 1));
+  if (std::isfinite(light.range_m)) {
+    r.all += w * c * std::max(1 - std::pow(d / double(light.range_m), 4), 0.0);
+    return;
+  }
+  const int bin = bin_of(c);
+  r.all += w * c;
+  r.below[size_t(bin)] += w * c;
+  r.inverse[size_t(bin)] += w / c;
+  r.count[size_t(bin)] += weight;
+}
+
+// The fraction of what counts that is lost with an end at each bin's lower edge; and how many lights there are then.
+struct Losses {
+  std::vector<double> lost = std::vector<double>(bins), lights = std::vector<double>(bins);
+};
+void add_losses(const Received& r, double least_lux, Losses& out) {
+  double below = 0, inverse = 0, count = 0;
+  for (int b = 0; b < bins; ++b) inverse += r.inverse[size_t(b)], count += r.count[size_t(b)];
+  for (int b = 0; b < bins; ++b) {
+    const double lost = below + edge_of(b) * edge_of(b) * inverse;
+    out.lost[size_t(b)] = std::max(out.lost[size_t(b)], lost / std::max(r.all, least_lux));
+    out.lights[size_t(b)] += count;
+    below += r.below[size_t(b)], inverse -= r.inverse[size_t(b)], count -= r.count[size_t(b)];
+    inverse = std::max(inverse, 0.0);
+  }
+}
+
+}  // namespace
+
+LightEnd choose_light_end(const Scene& scene, const FrameData& data, double most_lost, double exposure_ev,
+                          double usual_lux) {
+  const auto is_endless = [](const LightItem& l) {
+    return l.type != LightType::directional && !std::isfinite(l.range_m);
+  };
+  const size_t endless = size_t(std::ranges::count_if(data.lights, is_endless));
+  if (endless == 0 || !(most_lost > 0)) return {};
+  const size_t count = std::clamp(most_pairs / data.lights.size(), least_points, most_points);
+  const size_t stride = std::max<size_t>(data.lights.size() * count / most_pairs, 1);
+  const std::vector<Point> points = points_on(scene, data, count);
+  if (points.empty()) return {float(usual_lux)};
+  const double least_lux = 0.01 * std::numbers::pi * std::exp2(-exposure_ev);
+  std::vector<Losses> losses(points.size());
+  tbb::parallel_for(size_t(0), points.size(), [&](size_t i) {
+    Received side[2];
+    for (size_t l = i % stride; l < data.lights.size(); l += stride)
+      receive(data.lights[l], double(stride), points[i], side);
+    for (const Received& r : side) add_losses(r, least_lux, losses[i]);
+  });
+  Losses all;
+  for (const Losses& one : losses)
+    for (size_t b = 0; b < bins; ++b)
+      all.lost[b] = std::max(all.lost[b], one.lost[b]), all.lights[b] += one.lights[b] / double(points.size());
+  int chosen = bins - 1;
+  while (chosen > 0 && all.lost[size_t(chosen)] > care * most_lost) --chosen;
+  const double most_lights = std::max(1.5 * all.lights[size_t(bin_of(usual_lux))], least_lights(most_lost));
+  int fitting = chosen;
+  while (fitting + 1 < bins && all.lights[size_t(fitting)] > most_lights) ++fitting;
+  LightEnd out{float(edge_of(fitting)), all.lost[size_t(fitting)], fitting != chosen};
+  out.held &= out.lost > most_lost;
+  return out;
+}
+
+}  // namespace candela

@@ -60,9 +60,10 @@ Triangle load_triangle(TriangleBatch batch, Item item, uint number) {
   return t;
 }
 
+layout(constant_id = 33) const int OPEN_SIDES = 0;  // of views of lights: light passes single-sided faces from behind
 bool is_culled(TriangleBatch batch, Piece piece) {
 #ifdef VIEWS
-  return false;
+  if (OPEN_SIDES == 0) return false;
 #endif
   const bool front = piece.clockwise == ((batch.flags & batch_mirrored) != 0u);
   return (batch.flags & batch_cull_back) != 0u && !front;

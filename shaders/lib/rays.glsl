@@ -49,6 +49,7 @@ uint rays_share(uint count) { return max((count + rays_parts - 1u) / rays_parts,
 float rays_through(TraceRay ray, uint mode, float radius, float fade) {
   TraceHit passed = TRACE_NOTHING;
   float through = 1.0;
+  mode |= TRACE_LIGHT;
   if (RAYS_MEET_BLENDED == 0 && fade == 0.0) mode |= TRACE_ANY;
   while (true) {
     TraceHit hit;

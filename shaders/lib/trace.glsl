@@ -33,7 +33,9 @@ const TraceHit TRACE_NOTHING = TraceHit(0.0, 0.0, 0.0, 0u, 0u, 0u, 0u, no_trace)
 
 // Any hit ends the search; on the way to a lamp; the hit nearest to t = 1, whichever side of it, of what is there at
 // all; what `passed` names and what lies before it counts no more; surfaces that refract count too.
-const uint TRACE_ANY = 1u, TRACE_TO_LAMP = 2u, TRACE_LOCATE = 4u, TRACE_PASSED = 8u, TRACE_GLASS = 16u;
+// TRACE_LIGHT: light comes along the ray, which single-sided faces let through from behind where --sides is open.
+const uint TRACE_ANY = 1u, TRACE_TO_LAMP = 2u, TRACE_LOCATE = 4u, TRACE_PASSED = 8u, TRACE_GLASS = 16u,
+           TRACE_LIGHT = 32u;
 const float TRACE_FAR = 3.0e38;
 // Of slabs, as a fraction of how far a node reaches from the ray's origin: what rounding does, and how far a triangle's
 // t may lie before its box's.
@@ -169,6 +171,7 @@ bool trace_counts(TraceScene s, TraceHit h, bool asked, uint mode, TraceHit pass
   const TraceItem item = trace_item(s, h.item);
   if ((item.flags & trace_refracts) != 0u && (mode & TRACE_GLASS) == 0u) return false;
   if ((mode & TRACE_TO_LAMP) != 0u && (item.flags & trace_glows) != 0u) return false;
+  if ((mode & TRACE_LIGHT) != 0u && (item.flags & trace_single) != 0u && h.back == 0u) return false;
   return (item.flags & trace_masked) == 0u || trace_coverage(s, item, h.primitive, h.u, h.v) != 0.0;
 }
 

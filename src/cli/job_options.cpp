@@ -43,6 +43,13 @@ void add_technique_options(CLI::App& command, JobOptions& o) {
           "the device can, else by moments")
       ->capture_default_str()
       ->type_name("NAME");
+  command
+      .add_option(
+          "--sides", o.sides,
+          "Light from behind faces that are single-sided: block stops it, open lets it through, auto: open where "
+          "the camera looks through many such faces")
+      ->capture_default_str()
+      ->type_name("auto|block|open");
   command.add_option("--set", o.settings, "One knob, over the preset (candela list knobs); may be given again")
       ->allow_extra_args(false)
       ->type_name("PASS.KNOB=VALUE");
@@ -385,6 +392,7 @@ Expected<Job> job_of(const JobOptions& o) {
   job.samples = o.samples;
   job.technique = o.technique;
   job.transparency = o.transparency;
+  job.sides = o.sides;
   job.quality = o.quality;
   job.effects = o.effects;
   job.sky = o.sky;

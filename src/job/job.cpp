@@ -55,6 +55,7 @@ std::string job_json(const Job& job) {
   j["samples"] = job.samples;
   j["technique"] = job.technique;
   if (job.transparency != Job().transparency) j["transparency"] = job.transparency;
+  if (job.sides != Job().sides) j["sides"] = job.sides;
   j["quality"] = job.quality;
   if (!job.settings.empty()) {
     j["set"] = Json::array();
@@ -194,6 +195,7 @@ const std::map<std::string, Reader>& readers() {
       {"samples", int_into(&Job::samples)},
       {"technique", text_into(&Job::technique)},
       {"transparency", text_into(&Job::transparency)},
+      {"sides", text_into(&Job::sides)},
       {"quality", text_into(&Job::quality)},
       {"set", read_settings},
       {"effects", text_into(&Job::effects)},

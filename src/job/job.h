@@ -43,6 +43,7 @@ struct Job {
   std::string look;                        // look file
   std::string shading = "pbr";             // how surfaces answer light (scene/shading.h)
   std::string cut_outs = "blended";        // blended materials that hide all or nothing (scene/cut_outs.h)
+  std::string sides = "auto";              // light from behind single-sided faces: block, open, or by the scene
   std::string variant;                     // of materials, by its name in the file; empty: the default materials
   std::string probe;                       // a sphere before the camera: white, grey, chrome; empty: none
   std::optional<float> exposure_ev;        // absent: as the look says, else 0

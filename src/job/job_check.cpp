@@ -95,6 +95,8 @@ Expected<void> check_job(const Job& job) {
     if (auto known = check_name("--transparency", "method of transparency", job.transparency, transparency_names());
         !known)
       return known;
+  static const std::vector<std::string> sides = {"auto", "block", "open"};
+  if (auto known = check_name("--sides", "choice", job.sides, sides); !known) return known;
   if (auto known = check_name("--quality", "quality", job.quality, qualities); !known) return known;
   if (!job.tonemap.empty())
     if (auto known = check_name("--tonemap", "tone map", job.tonemap, tonemap_names()); !known) return known;

@@ -8,6 +8,7 @@
 #include "passes/post/resolve.h"
 #include "passes/post/supersample.h"
 #include "passes/shared/knob_values.h"
+#include "plan/choose_sides.h"
 #include "plan/probe_image.h"
 
 namespace candela {
@@ -35,6 +36,7 @@ FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedO
   request.view_alone = wanted.display && request.view != "beauty" && !request.has_layer(request.view);
   if (request.view_alone) request.layers.push_back(request.view);
   request.technique = job.technique;
+  request.open_sides = job.sides == "open";
   request.transparency = job.transparency;
   request.quality = job.quality;
   request.effects = job.effects;
@@ -63,6 +65,7 @@ Job without_auto(Job job, const Scene& scene, std::vector<std::string>& notes) {
     notes.push_back("technique auto: without a device the plan is that of " + job.technique);
   }
   if (job.transparency == auto_transparency) job.transparency = choose_transparency(scene, job, 1, {}).name;
+  if (job.sides == "auto") job.sides = choose_sides(scene, job).name;
   return job;
 }
 

@@ -135,13 +135,14 @@ BvhBuilder builder_of(int choice) {
 class LayOut {
  public:
   LayOut(const Accel& accel, const Scene& scene, const Pose& pose, const FrameData& data, bool refraction,
-         bool on_device)
+         bool open_sides, bool on_device)
       : accel_(accel),
         trees_(accel.trees()),
         scene_(scene),
         pose_(pose),
         data_(data),
         refraction_(refraction),
+        open_sides_(open_sides),
         on_device_(on_device) {}
 
   FrameRays run() {
@@ -237,6 +238,8 @@ class LayOut {
         if (passes) out.flags |= shared::trace_refracts;
         rays_.blended |= blended;
       }
+      const bool is_body = (out.flags & shared::trace_refracts) != 0;
+      if (open_sides_ && !is_body && !(material && material->double_sided)) out.flags |= shared::trace_single;
       items[i] = out;
     }
   }
@@ -346,7 +349,7 @@ class LayOut {
   // No ray asks more of its triangles than where they are.
   bool asks_nothing(uint32_t item) const {
     return (table<const shared::TraceItem>(rays_, head_.items)[item].flags &
-            (shared::trace_masked | shared::trace_glows | shared::trace_refracts)) == 0;
+            (shared::trace_masked | shared::trace_glows | shared::trace_refracts | shared::trace_single)) == 0;
   }
 
   void add_range(size_t first_node, const WideTree& tree, uint32_t instance, bool holds_instances) {
@@ -359,7 +362,7 @@ class LayOut {
   const Scene& scene_;
   const Pose& pose_;
   const FrameData& data_;
-  const bool refraction_, on_device_;
+  const bool refraction_, open_sides_, on_device_;
   FrameRays rays_;
   shared::TraceScene head_{};
   Tables tables_;
@@ -370,8 +373,10 @@ class LayOut {
 
 }  // namespace
 
-Hash128 rays_key(const Scene& scene, const Pose& pose, const FrameData& data, bool refraction, const BvhKnobs& knobs) {
+Hash128 rays_key(const Scene& scene, const Pose& pose, const FrameData& data, bool refraction, bool open_sides,
+                 const BvhKnobs& knobs) {
   Hashed out;
+  out.add(uint32_t(open_sides));
   for (const Knob& row : BvhKnobs::table()) out.add(row.value(&knobs));
   for (const DrawItem& item : data.items) {
     for (const uint32_t n :
@@ -396,14 +401,14 @@ Hash128 rays_key(const Scene& scene, const Pose& pose, const FrameData& data, bo
 }
 
 FrameRays lay_out_rays(const Accel& accel, const Scene& scene, const Pose& pose, const FrameData& data, bool refraction,
-                       bool on_device) {
+                       bool open_sides, bool on_device) {
   static_assert(leaf_bit == shared::trace_leaf_bit && leaf_count_shift == shared::trace_leaf_shift &&
                 no_child == shared::no_trace && block_triangles == shared::trace_block);
-  return LayOut(accel, scene, pose, data, refraction, on_device).run();
+  return LayOut(accel, scene, pose, data, refraction, open_sides, on_device).run();
 }
 
 std::shared_ptr<const FrameRays> make_frame_rays(const Scene& scene, const Pose& pose, const FrameData& data,
-                                                 bool refraction, const BvhKnobs& knobs) {
+                                                 bool refraction, bool open_sides, const BvhKnobs& knobs) {
   AccelOptions options;
   options.tree = {.builder = builder_of(knobs.builder),
                   .buckets = knobs.buckets,
@@ -412,8 +417,9 @@ std::shared_ptr<const FrameRays> make_frame_rays(const Scene& scene, const Pose&
                   .depth = uint32_t(knobs.depth),
                   .block_shift = uint32_t(knobs.block),
                   .node_cost = knobs.node_cost};
-  FrameRays rays = lay_out_rays(Accel(scene, pose, data, options), scene, pose, data, refraction, knobs.on_device());
-  rays.key = rays_key(scene, pose, data, refraction, knobs);
+  FrameRays rays =
+      lay_out_rays(Accel(scene, pose, data, options), scene, pose, data, refraction, open_sides, knobs.on_device());
+  rays.key = rays_key(scene, pose, data, refraction, open_sides, knobs);
   return std::make_shared<const FrameRays>(std::move(rays));
 }
 

@@ -24,17 +24,18 @@ struct FrameRays {
   std::shared_ptr<const std::vector<TreeRange>> ranges;
 };
 
-// refraction: surfaces that let light through are drawn so, and rays of light pass them.
+// refraction: surfaces that let light through are drawn so, and rays of light pass them. open_sides: rays of light pass
+// single-sided faces from behind (--sides).
 
 // Of the posed geometry: equal keys mean equal trees, whatever frames they are of.
-Hash128 rays_key(const Scene& scene, const Pose& pose, const FrameData& data, bool refraction, const BvhKnobs& knobs);
+Hash128 rays_key(const Scene& scene, const Pose& pose, const FrameData& data, bool refraction, bool open_sides, const BvhKnobs& knobs);
 
 // Lays out trees that are built; on_device: with what the device's own are built of.
 FrameRays lay_out_rays(const Accel& accel, const Scene& scene, const Pose& pose, const FrameData& data,
-                       bool refraction = false, bool on_device = false);
+                       bool refraction = false, bool open_sides = false, bool on_device = false);
 
 // Builds them for a frame.
 std::shared_ptr<const FrameRays> make_frame_rays(const Scene& scene, const Pose& pose, const FrameData& data,
-                                                 bool refraction, const BvhKnobs& knobs);
+                                                 bool refraction, bool open_sides, const BvhKnobs& knobs);
 
 }  // namespace candela

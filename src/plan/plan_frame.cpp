@@ -82,6 +82,7 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.batch_count = u.batch_count;
   for (const shared::DeformJob& job : u.deform_jobs) s.deform_vertices.push_back(job.vertex_count);
   s.deformed_words = u.deformed_words;
+  s.open_sides = f.request.open_sides;
   s.width_px = uint32_t(f.request.width_px);
   s.height_px = uint32_t(f.request.height_px);
   s.samples = uint32_t(f.request.samples);

@@ -62,10 +62,11 @@ TracedFrame trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, con
     about.position = trace_origin(frame.data, frame.view);
     out.shift = frame.view.position - about.position;
     const FrameData data = make_frame_data(context.scene, frame.pose, about);
-    const Hash128 key = rays_key(context.scene, frame.pose, data, refraction, out.traced.tree);
-    out.rays = context.rays && context.rays->key == key
-                   ? context.rays
-                   : make_frame_rays(context.scene, frame.pose, data, refraction, out.traced.tree);
+    const Hash128 key =
+        rays_key(context.scene, frame.pose, data, refraction, frame.request.open_sides, out.traced.tree);
+    out.rays = context.rays && context.rays->key == key ? context.rays
+                                                        : make_frame_rays(context.scene, frame.pose, data, refraction,
+                                                                          frame.request.open_sides, out.traced.tree);
   }
   TracedRays& traced = out.traced;
   traced.soft_suns = soft_suns(frame.request, lit.suns, asked.knobs.get<SunKnobs>());

@@ -258,11 +258,12 @@ class Assembly {
   std::vector<uint32_t> singles_;
 };
 
-uint8_t doubts_of(const Material* material, bool always) {
+uint8_t doubts_of(const Material* material, bool always, bool open_sides) {
   constexpr uint8_t fronts = 1, backs = 2;
   if (always || (material && (material->alpha_mode != AlphaMode::opaque || glows_all_over(*material))))
     return fronts | backs;
-  return material && material->double_sided ? 0 : backs;
+  if (material && material->double_sided) return 0;
+  return open_sides ? fronts | backs : backs;
 }
 
 }  // namespace
@@ -278,8 +279,8 @@ Accel::Trees::Trees(const Scene& the_scene, const Pose& pose, const FrameData& t
   for (const Deformation& d : frame->deformations) deformed.push_back(deform_vertices(*scene, *frame, d));
   for (const DrawItem& item : frame->items) {
     mirrored.push_back(item.mirrored);
-    ask.push_back(
-        doubts_of(item.material >= 0 ? &pose.materials[size_t(item.material)] : nullptr, options.always_ask_filter));
+    ask.push_back(doubts_of(item.material >= 0 ? &pose.materials[size_t(item.material)] : nullptr,
+                            options.always_ask_filter, options.open_sides));
   }
   Assembly(*this, options).run();
   const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;

@@ -11,7 +11,7 @@ glm::dvec3 light_through(const World& world, const SurfacePoint& from, glm::dvec
   const double per_t = glm::length(direction);
   GlassWay way = start ? GlassWay(*start) : GlassWay();
   glm::dvec3 through(1);
-  std::optional<Hit> hit = next_surface(world, *ray, false, nullptr, nullptr, to_lamp);
+  std::optional<Hit> hit = next_surface(world, *ray, false, nullptr, nullptr, to_lamp, true);
   while (hit) {
     Surface s = world.surface(*hit, origin, direction);
     through *= way.arrive(s, -l, hit->back, double(hit->t) * per_t);
@@ -19,7 +19,7 @@ glm::dvec3 light_through(const World& world, const SurfacePoint& from, glm::dvec
     if (through == glm::dvec3(0)) return through;
     if (is_straight(s)) way.cross();
     const Hit passed = *hit;
-    hit = next_surface(world, *ray, false, &passed, nullptr, to_lamp);
+    hit = next_surface(world, *ray, false, &passed, nullptr, to_lamp, true);
   }
   return through * way.end(distance_m);
 }

@@ -24,12 +24,13 @@ bool SurfaceFilter::accepts(const Hit& hit) const {
     return false;
   if (to_lamp_ && world_.glows_all_over(hit.item)) return false;
   if (culls_backs_ && hit.back && !world_.is_double_sided(hit.item) && !world_.bounds_body(hit.item)) return false;
+  if (opens_ && !hit.back && !world_.is_double_sided(hit.item) && !world_.bounds_body(hit.item)) return false;
   return !world_.is_masked(hit.item) || world_.coverage(hit) > 0;
 }
 
 std::optional<Hit> next_surface(const World& world, const Ray& ray, bool culls_backs, const Hit* passed,
-                                TraceCounts* counts, bool to_lamp) {
-  const SurfaceFilter filter(world, culls_backs, passed, to_lamp);
+                                TraceCounts* counts, bool to_lamp, bool light) {
+  const SurfaceFilter filter(world, culls_backs, passed, to_lamp, light);
   Ray rest = ray;
   if (passed) rest.t_min = passed->t;
   return world.accel().closest(rest, &filter, counts);
@@ -53,17 +54,17 @@ double transmittance(const World& world, const SurfacePoint& from, glm::dvec3 l,
   const std::optional<Ray> ray = shadow_ray(from, l, distance_m, target);
   if (!ray) return 1;
   if (!world.has_blend()) {
-    const SurfaceFilter filter(world, false, nullptr, to_lamp);
+    const SurfaceFilter filter(world, false, nullptr, to_lamp, true);
     return world.accel().occluded(*ray, &filter) ? 0 : 1;
   }
   double through = 1;
-  std::optional<Hit> hit = next_surface(world, *ray, false, nullptr, nullptr, to_lamp);
+  std::optional<Hit> hit = next_surface(world, *ray, false, nullptr, nullptr, to_lamp, true);
   while (hit) {
     const double coverage = world.is_blended(hit->item) ? world.coverage(*hit) : 1;
     through *= 1 - coverage;
     if (!(through > 0)) return 0;
     const Hit passed = *hit;
-    hit = next_surface(world, *ray, false, &passed, nullptr, to_lamp);
+    hit = next_surface(world, *ray, false, &passed, nullptr, to_lamp, true);
   }
   return through;
 }
@@ -72,13 +73,13 @@ double near_visibility(const World& world, const SurfacePoint& from, glm::dvec3 
   Ray ray = leaving_ray(from, l);
   ray.t_max = float(std::min(occlusion.radius_m, double(std::numeric_limits<float>::max())));
   double through = 1;
-  std::optional<Hit> hit = next_surface(world, ray, false, nullptr, nullptr);
+  std::optional<Hit> hit = next_surface(world, ray, false, nullptr, nullptr, false, true);
   while (hit) {
     const double coverage = world.is_blended(hit->item) ? world.coverage(*hit) : 1;
     through *= 1 - coverage * occlusion.hidden(double(hit->t));
     if (!(coverage < 1)) return through;
     const Hit passed = *hit;
-    hit = next_surface(world, ray, false, &passed, nullptr);
+    hit = next_surface(world, ray, false, &passed, nullptr, false, true);
   }
   return through;
 }

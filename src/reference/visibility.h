@@ -8,22 +8,28 @@ namespace candela::reference {
 class SurfaceFilter final : public HitFilter {
  public:
   // passed: the surfaces up to and with this hit are behind the ray already; null: none. to_lamp: what glows all over
-  // blocks nothing (scene/glow.h).
-  SurfaceFilter(const World& world, bool culls_backs, const Hit* passed = nullptr, bool to_lamp = false)
-      : world_(world), culls_backs_(culls_backs), passed_(passed), to_lamp_(to_lamp) {}
+  // blocks nothing (scene/glow.h). light: comes along the ray, and passes single-sided faces from behind where the
+  // world opens its sides.
+  SurfaceFilter(const World& world, bool culls_backs, const Hit* passed = nullptr, bool to_lamp = false,
+                bool light = false)
+      : world_(world),
+        culls_backs_(culls_backs),
+        passed_(passed),
+        to_lamp_(to_lamp),
+        opens_(light && world.opens_sides()) {}
   bool accepts(const Hit& candidate) const override;
 
  private:
   const World& world_;
   bool culls_backs_;
   const Hit* passed_;
-  bool to_lamp_;
+  bool to_lamp_, opens_;
 };
 
 // The next surface along a ray; `passed` continues behind a surface that let the ray through, without an offset that
 // could miss what lies close behind it.
 std::optional<Hit> next_surface(const World& world, const Ray& ray, bool culls_backs, const Hit* passed,
-                                TraceCounts* counts, bool to_lamp = false);
+                                TraceCounts* counts, bool to_lamp = false, bool light = false);
 
 // The part of the light that comes through between `from` and a point `distance_m` off in unit direction `l` (infinity:
 // from the sky): 0 behind opaque surfaces, otherwise the product of what blended ones leave. `target`, where the light

@@ -38,6 +38,7 @@ struct WorldInput {
   std::optional<Volumetric> volumetric{};
   std::optional<Occlusion> occlusion{};  // in direct, what is farther off does not hide the sky; path knows no such end
   bool reflections = false;              // in direct, opaque surfaces reflect each other; path knows nothing else
+  bool open_sides = false;               // light passes single-sided faces from behind (--sides)
   double sun_radius_rad = 0;             // of every directional light's disc in the sky; 0: points, with hard shadows
 };
 
@@ -105,6 +106,7 @@ class World {
   bool is_masked(uint32_t item) const;    // by alpha: its holes are holes for every ray
   bool is_blended(uint32_t item) const;
   bool glows_all_over(uint32_t item) const;
+  bool opens_sides() const { return input_.open_sides; }
   bool is_double_sided(uint32_t item) const;
   bool has_glass() const { return has_glass_; }
   bool bounds_body(uint32_t item) const;  // of glass: it has an inside, whose walls are seen from both sides

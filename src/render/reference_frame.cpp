@@ -8,12 +8,12 @@
 #include "base/text.h"
 #include "job/background.h"
 #include "job/content_hash.h"
+#include "plan/choose_sides.h"
 #include "reference/leaf_view.h"
 #include "render/id_names.h"
 #include "render/metadata.h"
 #include "render/reference_layers.h"
 #include "scene/neutral_light.h"
-#include "sky/job_sky.h"
 
 namespace candela {
 namespace {
@@ -189,6 +189,8 @@ Expected<std::unique_ptr<ReferenceFrame>> pose_reference(std::shared_ptr<const R
   input.background = background_of(job.background);
   input.accel = accel;
   input.glass = mode == reference::Mode::path;
+  input.open_sides = (job.sides == "auto" ? choose_sides(scene, job).name : job.sides) == "open";
+  input.accel.open_sides = input.open_sides;
   input.fog = frame->look.fog;
   input.more_fog = frame->look.more_fog;
   input.volumetric = frame->look.volumetric;

@@ -85,7 +85,7 @@ std::shared_ptr<GpuSky::Maps> GpuSky::make_maps(const FrameSky& sky, const IblKn
   shared::ImageLight& light = maps->light;
   light.texture = light.irradiance_texture = light.lobe_texture = shared::absent;
   const bool sampled = IblMethod(knobs.method) == IblMethod::sampled;
-  light.pixel_samples = uint32_t(sampled ? knobs.pixel_samples : knobs.stretched_samples);
+  light.pixel_samples = uint32_t(sampled ? knobs.pixel_samples : knobs.stretched);
   if (IblMethod(knobs.method) == IblMethod::sampled)
     load_divided(*maps, sky);
   else

@@ -13,6 +13,7 @@
 #include "job/choose_transparency.h"
 #include "job/content_hash.h"
 #include "job/job_look.h"
+#include "plan/choose_sides.h"
 #include "plan/posed_scene.h"
 #include "session/device_samples.h"
 #include "session/draw_probes.h"
@@ -72,7 +73,7 @@ class DeviceSession : public Session {
   void take_run(gpu::FrameRun run, Begun& begun);
 
   Job asked_, job_;  // as it was given; with what was left to us chosen
-  std::string told_transparency_;
+  std::string told_transparency_, told_sides_;
   bool chose_transparency_ = false;  // the job left it to us: no frame is refused for its method's knobs
   WantedOutputs wanted_;
   RunSettings settings_;
@@ -142,6 +143,12 @@ Expected<void> DeviceSession::choose_by_device() {
     chose_transparency_ = true;
     if (!chosen.why.empty() && std::exchange(told_transparency_, chosen.name) != chosen.name)
       log::info("transparency auto: {}, because {} (--transparency)", chosen.name, chosen.why);
+  }
+  if (job_.sides == "auto") {
+    const ChosenSides chosen = choose_sides(scene_, job_);
+    job_.sides = chosen.name;
+    if (!chosen.why.empty() && std::exchange(told_sides_, chosen.name) != chosen.name)
+      log::info("light passes single-sided faces from behind, because {} (--sides block)", chosen.why);
   }
   if (auto fine = check_samples(job_, device_samples(*device_), device_->info().name); !fine) return fine;
   const auto stores = stores_samples(job_, *device_);

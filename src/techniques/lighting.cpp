@@ -38,8 +38,8 @@ Lighting light_lists(Frame& frame, const SceneInputs& scene, ImageHandle depth, 
 }
 
 // Of what casts the views' shadows, in an image of that format.
-Hash128 depth_image_key(const Hash128& key, bool floats) {
-  return hash128(std::as_bytes(std::span(&key, 1)), floats ? 1 : 0);
+Hash128 depth_image_key(const Hash128& key, bool floats, bool open_sides) {
+  return hash128(std::as_bytes(std::span(&key, 1)), (floats ? 1 : 0) + (open_sides ? 2 : 0));
 }
 
 // What the views of an image show, drawn or kept from before; without the image the reason why it is not there.
@@ -72,7 +72,8 @@ LightMaps light_maps(Frame& frame, const SceneInputs& scene, const Surfaces& sur
   else
     out.depth = frame.add(DepthViews{}, {scene, draws, surfaces.deformed, image}, instance).depth;
   if (key && out.depth)
-    frame.builder.keep(out.depth, depth_image_key(*key, floats), "kept from before: nothing that casts has moved");
+    frame.builder.keep(out.depth, depth_image_key(*key, floats, scene.open_sides),
+                       "kept from before: nothing that casts has moved");
   const ColoredShadows::In in{scene, draws, surfaces.deformed, image, out.depth, frame.facts.refracting_bodies > 0};
   out.colors = frame.add(ColoredShadows{}, in, instance).colors;
   return out;

@@ -169,7 +169,7 @@ class Traced : public gpu::test::PassTest {
   void expect_same_by_queries(const Made& m, uint64_t count) {
     if (!device->info().rays.queries) GTEST_SKIP() << device->info().name << " has no ray queries";
     const Accel accel(m.scene, m.pose, m.frame, bvh_test::with_instances());
-    const FrameRays trees = lay_out_rays(accel, m.scene, m.pose, m.frame, false, true);
+    const FrameRays trees = lay_out_rays(accel, m.scene, m.pose, m.frame, false, false, true);
     const Rays rays(accel);
     std::vector<TestRay> list;
     for (uint64_t i = 0; i < count; ++i)

@@ -50,6 +50,7 @@ RasterSteps declare_steps(GraphBuilder& builder, const SceneInputs& s, BufferHan
   const bool any_masked =
       std::ranges::any_of(*s.draw_batches, [](const DrawBatch& r) { return r.solid() && r.alpha == AlphaMode::mask; });
   if (any_masked) constants.push_back({31, "HAS_MASKS", 1});
+  if (s.open_sides) constants.push_back({33, "OPEN_SIDES", 1});
   for (const SpecConstant& c : base_color_constants(s.features))
     if (any_masked || Feature(c.id) == Feature::subsample) constants.push_back(c);
   BufferDesc large{"rasterize.large", 8 + (uint64_t(knobs.list) + 1) * sizeof(shared::LargeTriangle)};

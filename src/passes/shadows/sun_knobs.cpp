@@ -60,7 +60,7 @@ std::span<const Knob> SunKnobs::table() {
        .member = &SunKnobs::distance,
        .lowest = 0.001,
        .highest = 1,
-       .levels = {0.25, 0.25, 0.25, 1},
+       .levels = {1},
        .description = "how much of the depth that is drawn the finer cascades divide; the last one reaches on",
        .sweep = {0.0625, 0.25, 0.5, 1},
        .required = "sun.mode=cascades"},

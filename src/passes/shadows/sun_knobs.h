@@ -19,7 +19,7 @@ struct SunKnobs {
   int cascades = 5;
   int size_px = 2048;
   int single_px = 4096;
-  float distance = 0.25f;
+  float distance = 1;
   float split_lambda = 0.9f;
   int tight = 0;
   int skip_served = 1;

@@ -230,7 +230,7 @@ void record_view_depth(CommandList& commands, const SceneInputs& scene, const Dr
   push.deformed = deformed ? commands.address(deformed) : 0;
   push.clip_from_relative = view.clip_from_relative;
   push.flattens = view.flags & shared::view_is_perspective ? 0 : 1;
-  record_view_runs(commands, scene, draws, pipelines, number, push);
+  record_view_runs(commands, scene, draws, pipelines, number, push, scene.open_sides);
 }
 
 }  // namespace candela

@@ -72,10 +72,11 @@ void record_batches(CommandList& commands, const SceneInputs& scene, const Draws
 // The push constants of what is drawn behind everything, seen through the fog of the lists where there is any.
 shared::SkyPush sky_push(CommandList& commands, const SceneInputs& scene, const Lighting& lists);
 
-// The same for a view of the range that the draws are of, by its number there: surfaces from both sides.
+// The same for a view of the range that the draws are of, by its number there: surfaces from both sides, or with
+// open_sides single-sided ones from their fronts alone.
 template <class Push>
 void record_view_runs(CommandList& commands, const SceneInputs& scene, const Draws& draws,
-                      const BatchPipelines& pipelines, uint32_t number, const Push& push) {
+                      const BatchPipelines& pipelines, uint32_t number, const Push& push, bool open_sides = false) {
   commands.bind_index_buffer(scene.indices);
   for (size_t r = 0; r < scene.draw_batches->size(); ++r) {
     const size_t region = number * scene.draw_batches->size() + r;
@@ -83,7 +84,8 @@ void record_view_runs(CommandList& commands, const SceneInputs& scene, const Dra
     if (!pipelines.by_run[r] || room == 0) continue;
     commands.bind(pipelines.by_run[r]);
     commands.push(push);
-    commands.set_cull(false, false);
+    const DrawBatch& run = (*scene.draw_batches)[r];
+    commands.set_cull(open_sides && run.cull_back, run.mirrored);
     commands.draw_indexed_indirect_count(draws.commands, uint64_t(first) * sizeof(shared::DrawCommand), draws.counts,
                                          region * sizeof(uint32_t), room);
   }

@@ -56,6 +56,7 @@ struct SceneInputs {
   uint32_t item_count = 0, cull_group_count = 0, batch_count = 0, light_count = 0;
   std::vector<uint32_t> deform_vertices;  // vertex count of each deform job
   uint32_t deformed_words = 0;            // size of the deformed buffer
+  bool open_sides = false;                // light passes single-sided faces from behind (--sides)
   uint32_t width_px = 0, height_px = 0, samples = 1;
   bool stores_samples = true;  // compute stores into multisampled images, of as many samples
   // Of one picture of a supersampled frame: normalised device coordinates off the middle of the pixel, and a sample's

@@ -17,7 +17,7 @@ struct IblKnobs {
   int filter_samples = 64;
   int irradiance_px = 32;
   int pixel_samples = 1024;
-  int stretched_samples = 48;
+  int stretched = 48;
   static std::span<const Knob> table();
   static bool matter(const SceneFacts& facts);  // without image-based light they do nothing
   bool operator==(const IblKnobs&) const = default;

@@ -22,6 +22,8 @@ const float most_gathered = 4096.0;  // times the light of the place: sums of ma
 layout(location = 0) out vec4 out_taken;
 
 void main() {
+  // Farther than the light reaches a surface darkens nothing, whether it is culled or not.
+  if (pc.light.w > 0.0 && distance(pc.light.xyz, in_position) > pc.light.w) discard;
   const Material m = load_material(in_ids.x);
   const Varyings v = load_varyings();
 #ifndef GLASS

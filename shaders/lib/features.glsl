@@ -42,5 +42,6 @@ const bool HAS_TANGENT = HAS_NORMAL_TEXTURE != 0 || LOBES_WITH_TANGENTS != 0;
 const int shadows_traced = 2, shadows_soft = 4, occlusion_traced_bent = -2;
 const bool SUNS_TRACED = (HAS_SUN_SHADOWS & shadows_traced) != 0, SUNS_SOFT = (HAS_SUN_SHADOWS & shadows_soft) != 0;
 const bool LAMPS_TRACED = (HAS_LAMP_SHADOWS & shadows_traced) != 0, LAMPS_SOFT = (HAS_LAMP_SHADOWS & shadows_soft) != 0;
-const bool OCCLUSION_IS_BENT = HAS_OCCLUSION < 0 ? HAS_OCCLUSION == occlusion_traced_bent : (HAS_OCCLUSION >> 16 & 1) != 0;
+const bool OCCLUSION_IS_BENT =
+    HAS_OCCLUSION < 0 ? HAS_OCCLUSION == occlusion_traced_bent : (HAS_OCCLUSION >> 16 & 1) != 0;
 const bool HAS_SHADOWS = HAS_SUN_SHADOWS != 0 || HAS_LAMP_SHADOWS != 0;

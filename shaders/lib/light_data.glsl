@@ -2,8 +2,8 @@
 // The words of a light (shared/scene.h, Light). Needs shared/scene.h.
 
 // What a point or spot light gives at most, in lux, however near it is: the same in every path, and at every scale of
-// a scene whose intensities are scaled with its areas. 1000 times the sun's.
-const float MOST_LUX = 1e8;
+// a scene whose intensities are scaled with its areas. It is held within a third of a micrometre of a candela.
+const float MOST_LUX = 1e13;
 
 // A 64-bit word of a light. llvmpipe gathers every word lane by lane, which is most of what a light costs there: so
 // they are few, and read only once the light may still give something.

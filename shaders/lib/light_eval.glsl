@@ -4,10 +4,9 @@
 #include "lib/light_data.glsl"
 #include "lib/unfused_dot.glsl"
 
-// What of the light's intensity arrives at the position, per square metre perpendicular to its direction l, before it is
-// held (light_illuminance). Exactly
-// zero outside the range and the cone. Both ends are differences of nearly equal numbers; precise, so that all shaders
-// round them alike.
+// What of the light's intensity arrives at the position, per square metre perpendicular to its direction l, before it
+// is held (light_illuminance). Exactly zero outside the range and the cone. Both ends are differences of nearly equal
+// numbers; precise, so that all shaders round them alike.
 float light_arriving(LightRef light, vec3 position, out vec3 l) {
   const vec2 xy = light_word(light, 0u), z_range = light_word(light, 1u);
   precise vec3 to_light = vec3(xy, z_range.x) - position;

@@ -3,9 +3,10 @@
 // Under a sky image each lobe takes it as wide as it is, with method `sampled` as exactly as samples are many.
 // Approximate in the others, beside what the base's own are: iridescence by the mean over eight facets that the viewer
 // sees; stretched facets by some directions, each as wide as its fraction (Colbert and Krivanek, "GPU-Based Importance
-// Sampling", 2007); sheen by sixteen directions; light from behind as occluded as that in front, and the base below sheen by the viewer's direction alone.
-// Under harmonics alone: the film at the cosine to the viewer, sheen by its albedo and the light about the normal. The
-// coat reflects as the base does, by its own normal and roughness.
+// Sampling", 2007); sheen by sixteen directions; light from behind as occluded as that in front, and the base below
+// sheen by the viewer's direction alone. Under harmonics alone: the film at the cosine to the viewer, stretched facets
+// as round ones of the mean width, sheen by its albedo and the light about the normal. The coat reflects as the base
+// does, by its own normal and roughness.
 
 AmbientLobes layered_lobes(Surface s, BrdfTerms b, AmbientLobes base, vec3 coat, float open) {
   const BrdfLobes o = b.lobes;

@@ -124,6 +124,8 @@ SkyOpen sky_open(bool bends) {
   const uint count = rays_share(RaySettingsRef(pc.rays).s.occlusion_rays);
   return sky_open(bends, rays_first(count), count, rays_own(0u));
 }
+// Where the mean open direction is asked for, that tells where light comes from.
 Openness openness(SkyOpen o) {
-  return Openness(o.fraction, open_diffuse(o.fraction, o.bright, o.bright_open), o.bent);
+  const float diffuse = OCCLUSION_IS_BENT ? o.fraction : open_diffuse(o.fraction, o.bright, o.bright_open);
+  return Openness(o.fraction, diffuse, o.bent);
 }

@@ -3,8 +3,9 @@
 // CPU's (bvh/trace_kernel.h): boxes hold those of the CPU, and triangles are tested by the same operations, after Woop,
 // Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013, whose edge functions are made anew in twice the
 // precision where they are zero. Nodes are packed and their children ordered by the ray's octant, after Ylitie, Karras,
-// Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017. Which candidates count is what src/reference/visibility.cpp says: holes
-// of masks never, backs always, what glows all over not on the way to a lamp (src/scene/glow.h).
+// Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017. Which candidates count is
+// what src/reference/visibility.cpp says: holes of masks never, backs always, what glows all over not on the way to a
+// lamp (src/scene/glow.h).
 //
 // lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch, and for
 // lanes that have left a loop. So every look-up stays in its table (trace_entry), and no table is empty.

@@ -31,7 +31,7 @@ struct DepthViewPush {  // depth as a view sees it
 struct ColoredShadowPush {
   uint64_t deformed;
   mat4 clip_from_relative;
-  vec4 light;  // direction to it, and 0; or where it is, relative, and 1
+  vec4 light;  // direction to it, and 0; or where it is, relative, and how far it reaches
   vec2 subsample_ndc;
   float subsample_footprint;
   uint layer;    // of the maps; bit 31: what lies before the near plane is flattened onto it

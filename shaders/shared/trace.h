@@ -31,11 +31,11 @@ struct TraceScene {
   uint world_root, top_root;  // nodes; no_trace: nothing is there
 };
 
-// Eight children on a grid of 255 steps along each axis, whose step is a power of two, rounded outwards (Ylitie, Karras,
-// Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017). A child stands at the place
-// whose bits say on which sides of the node it lies (bit a: towards plus on axis a), as far as these are free, so that a
-// ray meets children in an order that its direction alone gives. A child is a node, or a leaf: trace_leaf_bit, the
-// number of blocks (of the top tree: instances) less one, the first; or no_trace.
+// Eight children on a grid of 255 steps along each axis, whose step is a power of two, rounded outwards (Ylitie,
+// Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017). A child stands at
+// the place whose bits say on which sides of the node it lies (bit a: towards plus on axis a), as far as these are
+// free, so that a ray meets children in an order that its direction alone gives. A child is a node, or a leaf:
+// trace_leaf_bit, the number of blocks (of the top tree: instances) less one, the first; or no_trace.
 struct TraceNode {
   vec3 low;
   uint steps;       // a byte an axis: the exponent of the step, biased as a float's; then a bit for each child there is
@@ -64,7 +64,7 @@ struct TraceItem {    // parallel to FrameData::items
 struct TraceInstance {
   vec4 local_row[3], local_rest[3];  // of local_from_relative: as floats, and what these leave
   vec4 relative_row[3];              // of relative_from_local
-  uint item, root;  // the item with trace_asked, as of a triangle
+  uint item, root;                   // the item with trace_asked, as of a triangle
 };
 
 // What coverage is made of at a triangle's corners: the base colour texture's coordinates, transformed, and the

@@ -14,9 +14,10 @@ namespace candela::cli {
 // an option's name, help and default stand.
 struct JobOptions {
   std::string scene, up = "y", animation = "auto", camera, eye, target, size = "1280x720", technique = "auto",
-                     transparency = "auto", sides = "auto", quality = "high", effects = "auto", sky = "auto", look, shading = "pbr",
-                     cut_outs = "blended", variant, probe, tonemap, view = "beauty", layers, background = "transparent",
-                     exr_type = "half", exr_compression = "zip", fps = "24", device, shader_folder, config;
+                     transparency = "auto", sides = "auto", quality = "high", effects = "auto", sky = "auto", look,
+                     shading = "pbr", cut_outs = "blended", variant, probe, tonemap, view = "beauty", layers,
+                     background = "transparent", exr_type = "half", exr_compression = "zip", fps = "24", device,
+                     shader_folder, config;
   std::vector<std::string> settings;
   std::optional<double> yfov_deg, azimuth_deg, elevation_deg;
   bool fit = false, follow = false;

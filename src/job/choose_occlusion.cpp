@@ -45,6 +45,9 @@ bool surfaces_move(const Scene& scene) {
 }  // namespace
 
 ChosenOcclusion choose_occlusion(const Scene& scene, const std::string& animation) {
+  const auto is_field = [](const Node& n) { return n.mesh >= 0 && n.instances != nullptr; };
+  if (std::ranges::any_of(scene.nodes, is_field))
+    return {OcclusionKnobs::screen, "trees need each instance on the host, which the device may pose else"};
   const uint64_t count = triangles(scene);
   const bool moves = animation != "none" && surfaces_move(scene);
   const uint64_t most = moves ? most_moving : most_still;

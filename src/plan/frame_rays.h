@@ -28,7 +28,8 @@ struct FrameRays {
 // single-sided faces from behind (--sides).
 
 // Of the posed geometry: equal keys mean equal trees, whatever frames they are of.
-Hash128 rays_key(const Scene& scene, const Pose& pose, const FrameData& data, bool refraction, bool open_sides, const BvhKnobs& knobs);
+Hash128 rays_key(const Scene& scene, const Pose& pose, const FrameData& data, bool refraction, bool open_sides,
+                 const BvhKnobs& knobs);
 
 // Lays out trees that are built; on_device: with what the device's own are built of.
 FrameRays lay_out_rays(const Accel& accel, const Scene& scene, const Pose& pose, const FrameData& data,

@@ -50,8 +50,7 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.light_grid = f.light_grid.shape;
   s.sun_image = f.suns.image;
   s.sun_absence = f.suns.absence;
-  // With coloured shadows all views are culled anew anyway, and what is kept tells nothing of see-through surfaces.
-  if (context.kept && !f.shadow_colors && (s.sun_image || f.lamps.image))
+  if (context.kept && (s.sun_image || f.lamps.image))
     if (const auto casters = caster_hash(f.draws, u, f.pose, f.textures)) {
       if (s.sun_image) s.sun_key = depth_views_key(*casters, *s.sun_image);
       if (f.lamps.image) s.lamp_key = depth_views_key(*casters, *f.lamps.image);

@@ -68,8 +68,9 @@ DAabb corner_box(const LightSpace& light, const View& view, double near_m, doubl
 // The square, no larger than what is drawn: beyond that there is nothing to cast or receive.
 Square clipped(Square square, const DAabb& drawn) {
   const glm::dvec2 low(drawn.min), high(drawn.max);
+  const double least_m = std::isfinite(square.half_m) ? 1e-6 * square.half_m : 1e-30;
   if (!is_finite(drawn.min) || !is_finite(drawn.max)) return square;
-  const double half_m = std::max({high.x - low.x, high.y - low.y, 1e-6 * square.half_m}) / 2 * (1 + 1e-6);
+  const double half_m = std::max({high.x - low.x, high.y - low.y, least_m}) / 2 * (1 + 1e-6);
   if (half_m >= square.half_m) return square;
   return {(low + high) / 2.0, half_m};
 }
@@ -179,13 +180,14 @@ SunCascades fit_sun_cascades(glm::dvec3 direction, const View& view, const SunFi
   double finer_covered_m = 0;
   for (int i = 0; i < count; ++i) {
     Square square;
+    const double begin_m = i ? ends[size_t(i) - 1] : 0;  // the first holds all that is nearer, too
     if (single && is_bounded) {
       square.half_m = std::numeric_limits<double>::infinity();
     } else if (knobs.tight) {
-      const DAabb box = corner_box(light, view, i ? ends[size_t(i) - 1] : near_m, ends[size_t(i)]);
+      const DAabb box = corner_box(light, view, begin_m, ends[size_t(i)]);
       square = {glm::dvec2(box.centre()), std::max(box.extent().x, box.extent().y)};
     } else {
-      const Slice slice = slice_of(view, i ? ends[size_t(i) - 1] : near_m, ends[size_t(i)]);
+      const Slice slice = slice_of(view, begin_m, ends[size_t(i)]);
       square = {glm::dvec2(light.of(slice.centre)), slice.radius_m};
     }
     square = clipped(square, drawn);

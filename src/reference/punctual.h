@@ -8,8 +8,8 @@
 namespace candela::reference {
 
 // What a point or spot light gives at most, in lux, however near it is: in every path, and at every scale of a scene
-// whose intensities are scaled with its areas. 1000 times the sun's.
-inline constexpr double most_lamp_lux = 1e8;
+// whose intensities are scaled with its areas. It is held within a third of a micrometre of a candela.
+inline constexpr double most_lamp_lux = 1e13;
 
 // A light of KHR_lights_punctual in relative space. Without a range it reaches everywhere: the floor at which the GPU
 // ends such lights (lights.floor_lux) is an approximation of its own.

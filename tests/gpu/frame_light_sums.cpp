@@ -85,6 +85,7 @@ TEST_F(FrameLightSums, ExposureScalesTheDirectLayerToo) {
   add_light(b, {{"type", "point"}, {"intensity", 3.0}}, {{"translation", {0, 0, 1}}});
   Job job = job_for(write(b), 16, 12);
   job.layers = {"direct"};
+  job.settings = {{"lights", "floor_lux", "0"}};  // where lights end depends on the exposure
   look(job, {0, 0, 3}, {0, 0, 0}, yfov_deg);
   const auto plain = images_of(job)["direct"].values<glm::vec4>();
   job.exposure_ev = 2;

@@ -201,7 +201,9 @@ TEST_F(FrameRefraction, LightPassesGlass) {
     Job job = seen(lit_floor(false));
     job.effects = "refraction,shadows";
     job.settings = {{"sun", "mode", method == std::string("maps") ? "cascades" : "traced"},
-                    {"local", "method", method}};
+                    {"local", "method", method},
+                    {"lights", "floor_lux", "0"},
+                    {"colored_shadows", "scale", "off"}};
     const Images without = images_of(job);
     Job job_with = seen(lit_floor(true));
     job_with.effects = job.effects, job_with.settings = job.settings;

@@ -51,15 +51,17 @@ TEST_F(FrameTrees, BoxesOfTwoTriangles) {
         const glm::vec3 color(images["debug_bvh"].at<glm::vec4>(x, y));
         const double off_leaf = std::min(off_outline(at, {-2, -1}, {-0.5, 1}), off_outline(at, {0.5, -0.5}, {2, 1}));
         const double off_root = off_outline(at, {-2, -1}, {2, 1});
+        // Boxes are rounded outwards to a grid of 255 steps of their parent, here 4 m wide.
+        const double rounded_px = (pixel_of({4.0 / 255, 0}) - pixel_of({0, 0})).x;
         if (color == leaf_colour) {
-          EXPECT_LT(off_leaf, 1.01) << x << "," << y;
+          EXPECT_LT(off_leaf, 1.01 + rounded_px) << x << "," << y;
           ++leaves;
         } else if (color == inner_colour) {
-          EXPECT_LT(off_root, 1.01) << x << "," << y;
+          EXPECT_LT(off_root, 1.01 + rounded_px) << x << "," << y;
           ++inner;
         } else {
           EXPECT_EQ(color, glm::vec3(0)) << x << "," << y;
-          EXPECT_GT(std::min(off_leaf, off_root), 0.3) << x << "," << y;
+          EXPECT_GT(std::min(off_leaf, off_root), 0.3 - rounded_px) << x << "," << y;
         }
       }
     // Outlines of 21 by 28 and 21 by 21 pixels; of the root's, what is between the two and below the smaller.
@@ -83,8 +85,8 @@ TEST_F(FrameTrees, BoxesOfInstances) {
   EXPECT_GT(inner, 20);
 }
 
-// Rays cost on the device what they cost on the CPU; but a ray that has met a back that nobody draws begins anew behind
-// it, which costs more.
+// The device visits children in the order of the ray's octant, and triangles one by one, the CPU by distance and by
+// blocks: so a ray's cost differs, and the picture's little. Where nothing is met nothing is tested, on both.
 TEST_F(FrameTrees, CostsAreThoseOfTheReference) {
   for (const char* name : {"spheres", "alpha"}) {
     Job job = job_for(scene(name), width, height, 1);
@@ -99,12 +101,12 @@ TEST_F(FrameTrees, CostsAreThoseOfTheReference) {
     const std::vector<float> truth = reference_counts(film, **frame, "heatmap_traversal");
     const auto cost = images_of(job)["heatmap_traversal"].values<float>();
     ASSERT_EQ(cost.size(), truth.size());
-    size_t differing = 0;
+    double here = 0, there = 0;
     for (size_t i = 0; i < cost.size(); ++i) {
-      EXPECT_GE(cost[i], truth[i]) << name << " " << i;
-      differing += cost[i] != truth[i];
+      EXPECT_EQ(cost[i] == 0, truth[i] == 0) << name << " " << i;
+      here += double(cost[i]), there += double(truth[i]);
     }
-    EXPECT_LT(differing, std::string(name) == "spheres" ? 1u : 100u) << name;
+    EXPECT_NEAR(here / there, 1, 0.5) << name;
     EXPECT_GT(*std::max_element(truth.begin(), truth.end()), 5);
   }
 }

@@ -53,7 +53,7 @@ class OcclusionTest : public PassTest {
  protected:
   struct Settings {
     int texel_px = 1, slices = 64, samples = 64, denoise = 0;
-    Occlusion look{};
+    Occlusion look{.radius_m = 1};
     uint32_t seed = 0;
   };
   // The texels that the pass gives: V and the point's distance.
@@ -177,7 +177,7 @@ TEST_F(OcclusionTest, AFreePlaneIsWhollyOpen) {
 // nearer than the next one, which counts most where the falloff begins at the point. So it shrinks with the pixels.
 TEST_F(OcclusionTest, TheExactEndIsTheTracedTerm) {
   for (const bool perspective : {true, false})
-    for (const Occlusion& look : {Occlusion{}, Occlusion{0.6, 1, 1}, Occlusion{1, 0.3, 0.5}}) {
+    for (const Occlusion& look : {Occlusion{.radius_m = 1}, Occlusion{0.6, 1, 1}, Occlusion{1, 0.3, 0.5}}) {
       Camera camera;
       camera.perspective = perspective;
       if (!perspective) camera.half = {3, 3 * 0.5625};

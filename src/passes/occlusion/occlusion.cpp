@@ -62,7 +62,7 @@ std::span<const Knob> OcclusionKnobs::table() {
        .description =
            "how far surfaces hide, as a part of the point's distance from the camera, where the look names no "
            "radius; without end in truth",
-       .sweep = {0.1f, 0.25f, 0.5f, 1},
+       .sweep = {0.1f, 0.5f, 1, 0.25f},
        .required = on_screen},
       {.name = "texel_px",
        .member = &OcclusionKnobs::texel_px,
@@ -103,7 +103,7 @@ std::span<const Knob> OcclusionKnobs::table() {
        .member = &OcclusionKnobs::bent,
        .lowest = 0,
        .highest = 1,
-       .levels = {0, 0, 0, 1},
+       .levels = {0},
        .description = "1: the sky's light comes from about the mean open direction, not from about the normal",
        .sweep = {0, 1},
        .required = "occlusion.method=screen occlusion.method=traced"},

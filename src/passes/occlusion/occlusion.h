@@ -51,6 +51,7 @@ struct AmbientOcclusion {
   static constexpr std::string_view effect = "occlusion";
   static constexpr Queue queue = Queue::compute;
   using Knobs = OcclusionKnobs;
+  using InputKnobs = std::tuple<BvhKnobs, IblKnobs>;  // of rays: the trees, and how bright the sky is
   struct In {
     SceneInputs scene;
     SampledDepth depth;

@@ -36,7 +36,7 @@ struct FrameRequest {
   uint32_t noise_seed = 0;       // differs from frame to frame
   uint32_t still_seed = 0;       // for noise that stays as it is from frame to frame
   std::string quality = "high";  // draft, normal, high, exact
-  bool open_sides = false;  // light passes single-sided faces from behind
+  bool open_sides = false;       // light passes single-sided faces from behind
   std::string effects = "auto";  // auto, none, or names of effects separated by commas
   Look look;                     // of the frame's time
   bool neutral_light = false;    // no light and no sky: light the object so that it is seen

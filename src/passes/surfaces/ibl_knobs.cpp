@@ -67,7 +67,7 @@ std::span<const Knob> IblKnobs::table() {
        .description =
            "directions from which a pixel of stretched metal (anisotropy) takes the sky, each as wide as its "
            "fraction; fewer show as steps",
-       .sweep = {8, 24, 48, 256},
+       .sweep = {8, 24, 48, 1024},
        .required = filtered},
   };
   return rows;

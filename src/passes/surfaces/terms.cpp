@@ -58,7 +58,8 @@ Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
     choice.desc.color_formats.push_back(color_format);
   }
   const std::string shader = choice.desc.fragment_shader;
-  choice.desc.fragment_shader = with_fog(shader, transmitted(in.lists));
+  const ShadowColors colors = wants_lighting(in) ? in.lists.shadow_colors : ShadowColors{};
+  choice.desc.fragment_shader = with_shadow_colors(with_fog(shader, transmitted(in.lists)), colors);
   choice.desc.depth_format = tested ? depth_format : VK_FORMAT_UNDEFINED;
   choice.desc.samples = in.scene.samples;
   choice.desc.depth_test = tested;
@@ -80,6 +81,7 @@ Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
     unoccluded.occlusion = {};
     choice.desc.constants = light_constants(unoccluded);
   }
+  choice.desc.fragment_shader = with_fog(shader, transmitted(in.lists));
   if (in.seen) {
     choice.desc.depth_format = depth_format;
     choice.desc.depth_test = true;

@@ -23,12 +23,15 @@ bool has_glass(const ColoredShadows::In& in, uint32_t layer) {
   return false;
 }
 
-// The direction to a parallel view's light, and 0; or where the light is, and 1.
+// The direction to a parallel view's light, and 0; or where the light is, and how far it reaches.
 glm::vec4 light_of(const shared::View& view) {
   const glm::dmat4 rows = glm::transpose(glm::dmat4(view.clip_from_relative));
   if (!(view.flags & shared::view_is_perspective)) return {glm::normalize(glm::dvec3(rows[2])), 0};
   const glm::dmat3 across = glm::transpose(glm::dmat3(rows[0], rows[1], rows[3]));
-  return {glm::inverse(across) * -glm::dvec3(rows[0].w, rows[1].w, rows[3].w), 1};
+  const glm::dvec3 at = glm::inverse(across) * -glm::dvec3(rows[0].w, rows[1].w, rows[3].w);
+  const glm::dvec4 end(view.planes[4]);  // faces the light; none: it reaches everywhere
+  const double reach_m = glm::dot(glm::dvec3(end), at) + end.w;
+  return {at, end == glm::dvec4(0) || !(reach_m > 0) ? 3e38 : reach_m};
 }
 
 }  // namespace

@@ -71,7 +71,8 @@ std::span<const Knob> FogKnobs::table() {
        .lowest = 1e-4,
        .highest = 0.5,
        .levels = {0.05, 0.025, 0.025, 0.002},
-       .description = "fog.method=march: share of the light from the camera on that a step takes, within 0.0002 to 0.1 of how far is drawn",
+       .description = "fog.method=march: share of the light from the camera on that a step takes, within 0.0002 to 0.1 "
+                      "of how far is drawn",
        .sweep = {0.1, 0.025, 0.002},
        .required = "fog.method=march"},
       {.name = "march_px",

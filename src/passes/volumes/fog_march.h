@@ -8,9 +8,9 @@ namespace candela {
 
 // Light that fog scatters once towards the camera, followed along rays of coarse texels through the lists of lights: at
 // most 64 steps, each as long as takes a fortieth of the light from the camera on, -ln(1 - 0.025/T)/extinction with T
-// what is left there, 0.2 to 100 times the depth of the grid's first slice (knobs fog.march_*), and light taken at a point of each that differs from texel to
-// texel and from seed to seed. Surfaces take the texels about them by depth (shaders/lib/coarse_light.glsl). Units:
-// radiance as in beauty, pre-exposed; the texel's depth beside it.
+// what is left there, 0.2 to 100 times the grid's first depth (fog.march_*), light taken at a point of each, other for
+// each texel and from seed to seed. Surfaces take the texels about them by depth (shaders/lib/coarse_light.glsl).
+// Units: radiance as in beauty, pre-exposed; the texel's depth beside it.
 //
 // In each step transmittance is integrated, not multiplied before the light is added; lengths are of the ray, not of
 // depth; and the inverse square of lamps is a mean over the step. Leaves wrong: noise of the points, and texels that

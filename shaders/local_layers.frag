@@ -29,7 +29,7 @@ void main() {
       vec3 l;
       const float factor = light_arriving(light, v.relative_position, l);
       const float n_l = max(dot(s.normal, l), 0.0);
-      const float weight = dot(light_illuminance(light, factor), vec3(0.2126, 0.7152, 0.0722)) * n_l;
+      const float weight = dot(light_intensity(light), vec3(0.2126, 0.7152, 0.0722)) * factor * n_l;
       if (!(weight > 0.0)) continue;
       all += weight;
       arriving += weight * light_visibility(light, i, v.relative_position, plane_normal);

@@ -69,7 +69,7 @@ void main() {
       // The inverse square as its mean over the step: an angle over the lamp's distance from the ray.
       const float along = dot(to_lamp, ray.direction);  // the lamp lies this far on from the point
       const vec3 aside = to_lamp - ray.direction * along;
-      const float h2 = max(dot(aside, aside), least_distance2(light_intensity(light))), h = sqrt(h2);
+      const float h2 = max(dot(aside, aside), frame.least_light_distance2), h = sqrt(h2);
       const float a = begin - at - along, b = a + wide;
       const float mean = wide * h > 1e-30 ? atan(wide * h, h2 + a * b) / (h * wide) : 1.0 / (h2 + along * along);
       sum += light_intensity(light) * (factor * mean * arrives);

@@ -294,7 +294,7 @@ void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[
     if (!(off2 * inverse_range2 < 1.0) || !(off2 < 3.0e36)) continue;
     const float spread = FOG_SPREAD * cell * (frame.perspective != 0u ? max(nearest / ray.along, 0.0) : 1.0);
     const float spread2 = spread * spread;
-    const float h2 = max(off2 + spread2, least_distance2(intensity)), h = sqrt(h2);
+    const float h2 = max(off2 + spread2, frame.least_light_distance2), h = sqrt(h2);
     const vec2 cone = light_word(light, 4u);
     uint maps = no_light;
     int least_points = 1;

@@ -4,9 +4,9 @@
 #include "lib/light_data.glsl"
 #include "lib/unfused_dot.glsl"
 
-// What of the light's intensity arrives at the position, per square metre perpendicular to its direction l, before it
-// is held (light_illuminance). Exactly zero outside the range and the cone. Both ends are differences of nearly equal
-// numbers; precise, so that all shaders round them alike.
+// What of the light's intensity arrives at the position, per square metre perpendicular to its direction l. Exactly
+// zero outside the range and the cone. Both ends are differences of nearly equal numbers; precise, so that all shaders
+// round them alike.
 float light_arriving(LightRef light, vec3 position, out vec3 l) {
   const vec2 xy = light_word(light, 0u), z_range = light_word(light, 1u);
   precise vec3 to_light = vec3(xy, z_range.x) - position;
@@ -24,7 +24,7 @@ float light_arriving(LightRef light, vec3 position, out vec3 l) {
   precise vec3 along = l;
   if (d2 > 0.0) along = to_light * inversesqrt(d2);
   l = along;
-  precise float factor = max(1.0 - x2 * x2, 0.0) / max(d2, 1e-30);
+  precise float factor = max(1.0 - x2 * x2, 0.0) / max(d2, frame.least_light_distance2);
   if (type == light_spot) {
     const vec2 angle = light_word(light, 4u);
     precise vec3 e = along + vec3(light_word(light, 2u), z_type.x);
@@ -32,14 +32,6 @@ float light_arriving(LightRef light, vec3 position, out vec3 l) {
     factor *= a * a;
   }
   return factor;
-}
-
-// On a surface that faces the light, in lux times colour. arriving: of its intensity.
-vec3 light_illuminance(LightRef light, float arriving) {
-  const vec3 intensity = light_intensity(light);
-  const float strongest = largest_channel(intensity);
-  const bool is_held = strongest * arriving > MOST_LUX && floatBitsToUint(light_word(light, 3u).y) != light_directional;
-  return intensity * (is_held ? MOST_LUX / strongest : arriving);
 }
 
 #ifdef LOBED
@@ -54,11 +46,11 @@ vec3 light_along(LightRef light, BrdfTerms brdf, vec3 l, float arriving) {
   const LobesLit lit = evaluate_lobes(brdf, l);
   vec3 f = lit.front + lit.through;
   if (HAS_PASSING && lit_plane != vec3(0.0)) f = dot(lit_plane, l) < 0.0 ? lit.through : lit.front;
-  return f == vec3(0.0) ? f : light_illuminance(light, arriving) * f;
+  return f == vec3(0.0) ? f : light_intensity(light) * arriving * f;
 #else
   const float n_l = dot(brdf.normal, l);
   if (!(n_l > 0.0)) return vec3(0.0);
-  return light_illuminance(light, arriving) * n_l * evaluate_brdf(brdf, l, n_l);
+  return light_intensity(light) * (arriving * n_l) * evaluate_brdf(brdf, l, n_l);
 #endif
 }
 

@@ -182,7 +182,7 @@ vec3 traced_soft_light(LightRef light, uint number, BrdfTerms brdf, vec3 positio
   const LightCap cap = light_cap(light, position);
   if (cap.centre_m < cap.radius_m) {
     const float radius2 = cap.radius_m * cap.radius_m;
-    arriving *= max(cap.centre_m * cap.centre_m, min(1e-30, radius2)) / radius2;
+    arriving *= min(max(cap.centre_m * cap.centre_m, frame.least_light_distance2), radius2) / radius2;
   }
   // Over a cap the mean cosine to its middle is 1 - height / 2; from all sides a surface gets a quarter of what comes.
   arriving *= cap.height == 2.0 ? 4.0 : 1.0 / (1.0 - 0.5 * cap.height);

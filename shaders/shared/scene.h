@@ -101,6 +101,7 @@ struct FrameConstants {
   ProbeLights probes;
   uint64_t indices, batches;  // only where triangles are rasterized in compute (shared/visibility.h)
   vec4 background;            // premultiplied, pre-exposed
+  float least_light_distance2;  // square of the distance within which an inverse square is held (scene/scene_size.h)
   // What added to relative space gives that of the trees for rays (plan/trace_origin.h), as a float and what it leaves.
   vec3 trace_shift, trace_shift_rest;
 };
@@ -128,7 +129,7 @@ static_assert(sizeof(Light) == 64 && offsetof(Light, direction) == 16 && offseto
 static_assert(offsetof(FrameConstants, pre_exposure) == 424 && offsetof(FrameConstants, grid) == 432 &&
               offsetof(FrameConstants, fog) == 512 && offsetof(FrameConstants, image_light) == 1440 &&
               offsetof(FrameConstants, probes) == 1512 && offsetof(FrameConstants, indices) == 1912 &&
-              sizeof(FrameConstants) == 1968);
+              sizeof(FrameConstants) == 1976);
 }  // namespace candela::shared
 #else
 const uint geometry_deformed = 1u;

@@ -136,10 +136,11 @@ void leave_out_others(GraphBuilder& builder, std::string_view technique) {
 
 // What later stages decided of what the first packed: whose light has which shadow, the lists' grid, fog, and where
 // what is drawn stands for rays.
-void complete_upload(const LitFrame& lit, const TracedFrame& traced, PackedFrame& packed) {
+void complete_upload(const LitFrame& lit, const TracedFrame& traced, double least_light_m, PackedFrame& packed) {
   FrameUpload& upload = packed.upload;
   upload.constants.grid = lit.light_grid.constants;
   if (lit.fog) upload.constants.fog = *lit.fog;
+  upload.constants.least_light_distance2 = float(least_light_m * least_light_m);
   upload.constants.trace_shift = glm::vec3(traced.shift);
   upload.constants.trace_shift_rest = glm::vec3(traced.shift - glm::dvec3(upload.constants.trace_shift));
   for (size_t i = 0; i < lit.suns.lights.size(); ++i) upload.lights[lit.suns.lights[i]].shadow = uint32_t(i + 1);
@@ -205,7 +206,7 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   TracedFrame traced = trace_frame(*asked, *frame, *packed, *lit, context);
 
   clock.begin("plan");
-  complete_upload(*lit, traced, *packed);
+  complete_upload(*lit, traced, context.layout.least_light_distance_m, *packed);
   PlannedFrame f{std::move(*frame), std::move(*packed), std::move(*lit), std::move(traced)};
   f.textures = asked->knobs.get<TextureKnobs>();
   f.surfaces = asked->knobs.get<SurfaceKnobs>();

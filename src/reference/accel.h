@@ -29,7 +29,7 @@ struct AccelOptions {
   // false: the filter is asked only where the material leaves a doubt: alpha masks and blending, what glows all
   // over (scene/glow.h), and backs of surfaces that are not double sided. true: for every candidate.
   bool always_ask_filter = false;
-  bool open_sides = false;  // fronts of surfaces that are not double sided leave a doubt too
+  bool open_sides = false;           // fronts of surfaces that are not double sided leave a doubt too
   bool measure_cost = false;         // fill AccelStatistics::sah_cost
   const Kernels* kernels = nullptr;  // null: the best for this processor (trace.h); all give the same hits
 };

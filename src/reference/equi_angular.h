@@ -13,7 +13,8 @@ namespace candela::reference {
 // and Fajardo, "Importance Sampling Techniques for Path Tracing in Participating Media", 2012).
 class EquiAngular {
  public:
-  EquiAngular(glm::dvec3 origin, glm::dvec3 direction, glm::dvec3 light) {
+  // least_m: beside the light the inverse square is held so near, and so is this.
+  EquiAngular(glm::dvec3 origin, glm::dvec3 direction, glm::dvec3 light, double least_m = 0.01) : least_m_(least_m) {
     const glm::dvec3 to_light = light - origin;
     nearest_m_ = glm::dot(to_light, direction);
     aside_m_ = glm::length(to_light - nearest_m_ * direction);
@@ -25,10 +26,8 @@ class EquiAngular {
     return {nearest_m_ - half, nearest_m_ + half};
   }
   void limit(Span span) {
+    h_ = std::max(aside_m_, least_m_);
     from_ = span.begin_m - nearest_m_, to_ = span.end_m - nearest_m_;
-    // Not 0 on a ray through the light.
-    const double widest_m = std::max(std::abs(from_), std::isinf(to_) ? 0.0 : std::abs(to_));
-    h_ = std::max({aside_m_, 1e-5 * widest_m, 1e-30});
     // The difference of two arc tangents, as the angle between the two directions: no cancellation where the light is
     // far.
     angle_ = std::isinf(to_) ? std::atan2(h_, from_) : std::atan2(h_ * (to_ - from_), h_ * h_ + from_ * to_);
@@ -46,7 +45,7 @@ class EquiAngular {
   }
 
  private:
-  double nearest_m_, aside_m_, h_ = 1, from_ = 0, to_ = 0, angle_ = 0;
+  double least_m_ = 0.01, nearest_m_, aside_m_, h_ = 1, from_ = 0, to_ = 0, angle_ = 0;
 };
 
 }  // namespace candela::reference

@@ -80,7 +80,7 @@ class InViewOfLights {
   void consider(const PunctualLight& light, glm::dvec3 origin, glm::dvec3 direction, Span span) {
     const Span seen = lit_part(light, origin, direction, span);
     if (seen.empty()) return;
-    EquiAngular angles(origin, direction, light.position);
+    EquiAngular angles(origin, direction, light.position, light.least_m);
     angles.limit(seen);
     const double weight = luminance(light.intensity) * angles.angle() / angles.aside_m();
     if (!(weight > 0) || (count_ == most_lights_in_view && weight <= weakest_)) return;

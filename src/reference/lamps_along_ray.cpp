@@ -50,7 +50,7 @@ Span in_cone(const PunctualLight& light, glm::dvec3 nearest, glm::dvec3 directio
 }  // namespace
 
 Span lit_part(const PunctualLight& light, glm::dvec3 origin, glm::dvec3 direction, Span span) {
-  const EquiAngular angles(origin, direction, light.position);
+  const EquiAngular angles(origin, direction, light.position, light.least_m);
   const Span near = angles.within(light.range_m);
   Span lit{std::max(near.begin_m, span.begin_m), std::min(near.end_m, span.end_m)};
   if (lit.empty() || light.type != LightType::spot) return lit;
@@ -112,7 +112,7 @@ bool LampsAlongRay::reaching(size_t most, std::vector<uint32_t>& lights) const {
 double LampsAlongRay::of_lamp(const PunctualLight& light) const {
   const Span lit = lit_part(light, origin_, direction_, span_);
   if (lit.empty()) return 0;
-  EquiAngular angles(origin_, direction_, light.position);
+  EquiAngular angles(origin_, direction_, light.position, light.least_m);
   angles.limit(lit);
   const double plain = luminance(light.intensity) * angles.angle() / angles.aside_m() / (4 * pi);
   if (!(plain > 0)) return 0;

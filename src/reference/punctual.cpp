@@ -8,7 +8,7 @@
 
 namespace candela::reference {
 
-PunctualLight punctual_light(const LightItem& item) {
+PunctualLight punctual_light(const LightItem& item, double least_m) {
   PunctualLight light;
   light.type = item.type;
   light.position = item.position;
@@ -18,6 +18,7 @@ PunctualLight punctual_light(const LightItem& item) {
   light.cos_inner = std::cos(double(item.inner_cone_rad));
   light.cos_outer = std::cos(double(item.outer_cone_rad));
   light.radius_m = item.radius_m;
+  light.least_m = least_m;
   return light;
 }
 
@@ -53,17 +54,13 @@ Cap cap_of(const PunctualLight& light, glm::dvec3 position) {
     // The window of the specification's recommendation: 1 - (d/range)^4, no square.
     const double window =
         std::isfinite(light.range_m) ? std::clamp(1 - std::pow(cap.centre_m / light.range_m, 4), 0.0, 1.0) : 1.0;
-    const double strongest = std::max({light.intensity.x, light.intensity.y, light.intensity.z});
-    // Far nearer than where the light is held, so that all below stays finite.
-    const double nearest_m = 1e-3 * std::sqrt(strongest / most_lamp_lux) + 1e-30;
-    const double held = std::max({cap.centre_m, nearest_m, light.radius_m});
+    const double held = std::max({cap.centre_m, light.least_m, light.radius_m});
     double factor = window / (held * held);
     if (light.type == LightType::spot) {
       const double scale = 1 / std::max(0.001, light.cos_inner - light.cos_outer);
       const double t = std::clamp((glm::dot(-cap.axis, light.direction) - light.cos_outer) * scale, 0.0, 1.0);
       factor *= t * t;
     }
-    if (strongest * factor > most_lamp_lux) factor = most_lamp_lux / strongest;
     cap.illuminance = light.intensity * factor;
     if (light.radius_m > 0) cap.height = cap.centre_m > light.radius_m ? height_of(light.radius_m / cap.centre_m) : 2;
   }

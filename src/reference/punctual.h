@@ -7,10 +7,6 @@
 
 namespace candela::reference {
 
-// What a point or spot light gives at most, in lux, however near it is: in every path, and at every scale of a scene
-// whose intensities are scaled with its areas. It is held within a third of a micrometre of a candela.
-inline constexpr double most_lamp_lux = 1e13;
-
 // A light of KHR_lights_punctual in relative space. Without a range it reaches everywhere: the floor at which the GPU
 // ends such lights (lights.floor_lux) is an approximation of its own.
 struct PunctualLight {
@@ -21,9 +17,10 @@ struct PunctualLight {
   double cos_inner = 1, cos_outer = -1;
   double radius_rad = 0;  // of a directional light's disc in the sky; 0: a point
   double radius_m = 0;    // of a point's or spot's sphere; 0: a point
+  double least_m = 0.01;  // nearer than this the inverse square is held (scene/scene_size.h)
   bool has_size() const { return radius_rad > 0 || radius_m > 0; }
 };
-PunctualLight punctual_light(const LightItem& item);
+PunctualLight punctual_light(const LightItem& item, double least_m = 0.01);
 
 // What arrives at a point: illuminance (lux, times colour) on a surface that faces the light, and where it comes from.
 // Of a light of a size the number u in [0, 1)^2 chooses the direction, evenly in solid angle; the mean over u is the

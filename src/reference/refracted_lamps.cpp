@@ -196,7 +196,7 @@ glm::dvec3 sent(const Task& task, const Way& way) {
   // As far away as the light has come; a metre off for its intensity.
   const glm::dvec3 onward = way.part[size_t(way.walls)].onward;
   const glm::dvec3 there = task.light.position - onward * way.length_m;
-  return arriving(task.light, there).illuminance * square(std::max(way.length_m, 1e-30));
+  return arriving(task.light, there).illuminance * square(std::max(way.length_m, task.light.least_m));
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ glm::dvec3 Integrator::volumetric_light(glm::dvec3 origin, glm::dvec3 direction,
            (settings_.visibility ? transmittance(world_, {position, {}, 0}, a.l, a.distance_m, nullptr, true) : 1.0);
   };
   const auto angles_of = [&](const PunctualLight& light) {
-    EquiAngular angles(origin, direction, light.position);
+    EquiAngular angles(origin, direction, light.position, light.least_m);
     angles.limit(lit_part(light, origin, direction, all));
     return angles;
   };

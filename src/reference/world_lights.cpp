@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "reference/world.h"
+#include "scene/scene_size.h"
 
 namespace candela::reference {
 namespace {
@@ -31,9 +32,10 @@ LightExtent extent_of(const PunctualLight& light) {
 
 void World::add_lights() {
   std::vector<LightExtent> extents;
+  const double least_light_m = least_light_distance_m(input_.scene);
   for (const LightItem& item : input_.frame.lights) {
     const uint32_t index = uint32_t(punctual_.size());
-    punctual_.push_back(punctual_light(item));
+    punctual_.push_back(punctual_light(item, least_light_m));
     if (item.type == LightType::directional) punctual_.back().radius_rad = input_.sun_radius_rad;
     has_sized_lights_ |= punctual_.back().has_size();
     if (item.type == LightType::directional) {

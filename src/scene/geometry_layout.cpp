@@ -1,10 +1,9 @@
 #include "scene/geometry_layout.h"
 
-#include <cmath>
-
 #include <cstring>
 
 #include "scene/draw_list.h"
+#include "scene/scene_size.h"
 #include "scene/texture_slots.h"
 
 namespace candela {
@@ -101,8 +100,8 @@ Expected<GeometryLayout> layout_geometry(const Scene& scene) {
     }
   }
   layout.vertex_words = cursor.words();
-  const double size_m = 2 * glm::length(world_bounds(scene, evaluate_pose(scene, {}, 0)).extent());
-  layout.size_m = std::isfinite(size_m) ? size_m : 0;
+  layout.size_m = scene_size_m(scene);
+  layout.least_light_distance_m = least_light_distance_m(scene);
   return layout;
 }
 

@@ -24,9 +24,7 @@ struct GeometryLayout {
   std::vector<std::vector<SectionLayout>> sections;  // by mesh, by section
   uint32_t geometry_count = 0;
   uint64_t vertex_words = 0, index_count = 0;
-  // The diagonal of the world bounds without animations: lengths are rounded to parts of it, so that a scene at another
-  // scale rounds alike. 0: not known.
-  double size_m = 0;
+  double size_m = 0, least_light_distance_m = 0.01;  // scene/scene_size.h
 };
 
 // Error (input) when the scene has more than 2^31 words of vertices or indices.

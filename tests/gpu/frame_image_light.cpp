@@ -58,8 +58,10 @@ TEST_F(ImageLight, BentNormalsLeanWhereTheSkyIsOpen) {
     }
     return (light[0] - light[1]) / (light[0] + light[1]) / (2 * a / 3);
   };
-  const std::vector<KnobSetting> screen = {
-      {"occlusion", "texel_px", "1"}, {"occlusion", "slices", "64"}, {"occlusion", "samples", "64"}};
+  const std::vector<KnobSetting> screen = {{"occlusion", "method", "screen"},
+                                           {"occlusion", "texel_px", "1"},
+                                           {"occlusion", "slices", "64"},
+                                           {"occlusion", "samples", "64"}};
   const std::vector<KnobSetting> traced = {{"occlusion", "method", "traced"}, {"occlusion", "rays", "256"}};
   const double open = 2 / std::hypot(2, std::numbers::pi);  // sine of that angle
   for (const auto& [settings, off] : {std::pair(screen, 0.03), {traced, 0.01}})

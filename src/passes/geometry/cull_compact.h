@@ -9,7 +9,7 @@ namespace candela {
 // whatever the device's scheduling.
 struct CullCompact {
   static constexpr std::string_view name = "cull_compact";
-  using InputKnobs = DrawnItemKnobs;
+  using InputKnobs = std::tuple<CullKnobs, OcclusionCullKnobs, ColoredShadowKnobs>;
   struct In {
     SceneInputs scene;
     BufferHandle masks, survivors;

@@ -105,7 +105,7 @@ std::span<const Knob> OcclusionKnobs::table() {
        .highest = 1,
        .levels = {0},
        .description = "1: the sky's light comes from about the mean open direction, not from about the normal",
-       .sweep = {0, 1},
+       .sweep = {1, 0},
        .required = "occlusion.method=screen occlusion.method=traced"},
   };
   return table;

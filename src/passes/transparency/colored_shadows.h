@@ -33,6 +33,7 @@ struct ColoredShadows {
   static constexpr std::string_view name = "colored_shadows";
   using Knobs = ColoredShadowKnobs;
   using SharedKnobs = std::tuple<SunKnobs, LampKnobs, TextureKnobs>;
+  using InputKnobs = std::tuple<IblKnobs, SurfaceKnobs, LightRangeKnobs>;
   struct In {
     SceneInputs scene;
     Draws draws;            // of the maps' views

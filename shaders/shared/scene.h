@@ -99,8 +99,8 @@ struct FrameConstants {
   float sky_intensity;
   uint sky_background;  // the sky as it is seen: its own image, or that blurred
   ProbeLights probes;
-  uint64_t indices, batches;  // only where triangles are rasterized in compute (shared/visibility.h)
-  vec4 background;            // premultiplied, pre-exposed
+  uint64_t indices, batches;    // only where triangles are rasterized in compute (shared/visibility.h)
+  vec4 background;              // premultiplied, pre-exposed
   float least_light_distance2;  // square of the distance within which an inverse square is held (scene/scene_size.h)
   // What added to relative space gives that of the trees for rays (plan/trace_origin.h), as a float and what it leaves.
   vec3 trace_shift, trace_shift_rest;

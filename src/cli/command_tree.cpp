@@ -48,6 +48,7 @@ Names choices_of(const std::string& command, const std::string& option) {
   if (option == "--technique") return with(technique_names(), {std::string(auto_technique)});
   if (option == "--techniques") return with(technique_names(), {std::string(auto_technique)});
   if (option == "--transparency") return with(transparency_names(), {std::string(auto_transparency)});
+  if (option == "--sides") return {"auto", "block", "open"};
   if (option == "--mode") return {"direct", "path"};
   if (option == "--bvh") return {"equal-counts", "sah", "sbvh"};
   if (option == "--sampler") return {"sobol", "jittered", "uniform"};

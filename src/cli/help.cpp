@@ -27,7 +27,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>>& groups() {
         "png-bits", "no-dither", "metadata-timings", "allow-nonfinite", "dump"}},
       {"Light and look", {"sky", "look", "shading", "cut-outs", "variant", "probe", "effects", "seed"}},
       {"How the frame is made",
-       {"technique", "transparency", "quality", "samples", "set", "time-budget", "error-budget", "sweep",
+       {"technique", "transparency", "sides", "quality", "samples", "set", "time-budget", "error-budget", "sweep",
         "error-reference"}},
       {"Film", {"video", "audio", "resume", "cache", "in-flight", "encoders", "shard", "record"}},
       {"Tracing",

@@ -31,7 +31,8 @@ TEST(PunctualLights, FollowTheSpecification) {
   item.range_m = 2;
   EXPECT_EQ(arriving(punctual_light(item), at).illuminance, glm::dvec3(0));
   // Nearer than that the inverse square is held.
-  EXPECT_DOUBLE_EQ(arriving(punctual_light(light_item(LightType::point), 0.01), glm::dvec3(1, 2, 3)).illuminance.x, 2e4);
+  const PunctualLight held = punctual_light(light_item(LightType::point), 0.01);
+  EXPECT_DOUBLE_EQ(arriving(held, glm::dvec3(1, 2, 3)).illuminance.x, 2e4);
   const Arrival sun = arriving(punctual_light(light_item(LightType::directional)), at);
   EXPECT_EQ(sun.illuminance, glm::dvec3(2, 4, 8));
   EXPECT_EQ(sun.l, glm::dvec3(0, 1, 0));

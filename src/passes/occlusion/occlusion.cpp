@@ -42,7 +42,7 @@ std::span<const Knob> OcclusionKnobs::table() {
        .member = &OcclusionKnobs::rays,
        .lowest = 1,
        .highest = 65536,
-       .levels = {1, 1, 4, 256},
+       .levels = {1, 1, 1, 256},
        .description = "rays of a texel, or with method traced of a pixel; fewer leave noise",
        .sweep = {1, 4, 16, 64, 256},
        .required = by_rays},
@@ -56,7 +56,7 @@ std::span<const Knob> OcclusionKnobs::table() {
        .required = "occlusion.method=rays occlusion.rays=64"},
       {.name = "reach",
        .member = &OcclusionKnobs::reach,
-       .lowest = 0.001f,
+       .lowest = 0.001,
        .highest = 100,
        .levels = {0.25f},
        .description =

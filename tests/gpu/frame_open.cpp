@@ -1,0 +1,123 @@
+// Light that was lost or leaked by default: what convex bodies hide of themselves, rooms without a front, the scale of
+// a scene.
+#include "../unit/reference_fixture.h"
+#include "frame_sky_fixture.h"
+#include "render/reference_frame.h"
+
+namespace candela::test {
+
+class FrameOpen : public SkyTest {
+ protected:
+  static constexpr int width = 64, height = 48;  // of the pictures
+  // A room of inward faces, 4 m wide, a block in it, a lamp and a sun, seen through its front wall; a scale of lengths,
+  // with the lamp's intensity by its square.
+  static std::string room(double scale, bool double_sided) {
+    GltfBuilder b = empty_scene();
+    Json walls = diffuse_material(0.7, 0.6, 0.5);
+    walls["doubleSided"] = double_sided;
+    const int wall = add_square_mesh(b, float(2 * scale), add_material(b, walls));
+    const int block = add_square_mesh(b, float(0.7 * scale), add_material(b, diffuse_material(0.2, 0.5, 0.7)));
+    const double h = std::sqrt(0.5);
+    const auto add = [&](int mesh, glm::dvec3 at, const Json& turn) {
+      at *= scale;
+      add_node(b, {{"mesh", mesh}, {"translation", {at.x, at.y, at.z}}, {"rotation", turn}});
+    };
+    add(wall, {0, -2, 0}, {-h, 0, 0, h});  // floor: normal +y
+    add(wall, {0, 2, 0}, {h, 0, 0, h});
+    add(wall, {0, 0, -2}, {0, 0, 0, 1});
+    add(wall, {0, 0, 2}, {0, 1, 0, 0});
+    add(wall, {-2, 0, 0}, {0, h, 0, h});
+    add(wall, {2, 0, 0}, {0, -h, 0, h});
+    add(block, {0.3, -1, -0.4}, {-h, 0, 0, h});  // a table's top
+    const glm::dvec3 lamp = glm::dvec3(-1, 1, 0.5) * scale;
+    add_light(b, {{"type", "point"}, {"intensity", 6.0 * scale * scale}}, {{"translation", {lamp.x, lamp.y, lamp.z}}});
+    add_light(b, {{"type", "directional"}, {"intensity", 2.0}},
+              {{"rotation", rotation_between({0, 0, -1}, {-0.4, -1, -0.7})}});
+    return write(b);
+  }
+  static Job seen(const std::string& path, double scale = 1) {
+    Job job = job_for(path, width, height, 1);
+    look(job, glm::dvec3(1, 2, 9) * scale, {0, 0, 0}, 40);
+    return job;
+  }
+  static double relmse(const std::vector<glm::vec4>& a, const std::vector<glm::vec4>& truth) {
+    double sum = 0;
+    for (size_t i = 0; i < a.size(); ++i)
+      for (int c = 0; c < 3; ++c)
+        sum += std::pow(double(a[i][c] - truth[i][c]), 2) / (std::pow(double(truth[i][c]), 2) + 0.01) / 3;
+    return sum / double(a.size());
+  }
+};
+
+// A white ball in a white furnace hides nothing of itself, at its outline neither.
+TEST_F(FrameOpen, AConvexBodyIsAsOpenAsItIs) {
+  GltfBuilder b = empty_scene();
+  add_node(b, {{"mesh", reference::test::add_sphere_mesh(b, 1, add_material(b, diffuse_material(1, 1, 1)), 24)}});
+  Job job = job_for(write(b), width, height, 1);
+  look(job, {0, 0, 3}, {0, 0, 0}, 45);
+  job.sky = write_sky("white", [](glm::dvec3) { return glm::dvec3(1); }).file;
+  job.layers = {"occlusion"};
+  for (const float v : images_of(job)["occlusion"].values<float>()) EXPECT_GE(v, 0.99f);
+}
+
+// Through a front wall of one side light comes in as the camera sees in, in all techniques and both renderers; a wall
+// of two sides is a wall.
+TEST_F(FrameOpen, LightPassesSingleSidedFacesFromBehind) {
+  Job job = seen(room(1, false));
+  const auto frame = open_reference(job, 0, {});
+  ASSERT_TRUE(frame);
+  reference::TraceSettings settings;
+  settings.sampler = {reference::SamplerKind::uniform, 1};
+  reference::Film film(width, height, {});
+  film.add(reference::Integrator(*(*frame)->world, settings, width, height), 1, [](double) { return true; });
+  std::vector<glm::vec4> truth;
+  for (size_t i = 0; i < film.pixels(); ++i) truth.emplace_back(film.mean(i));
+  for (const char* technique : {"clustered", "visibility", "ray"}) {
+    job.technique = technique;
+    job.sides = "open";
+    const auto open = images_of(job)["beauty"].values<glm::vec4>();
+    EXPECT_LT(relmse(open, truth), 0.03) << technique;
+    job.sides = "block";
+    EXPECT_GT(relmse(images_of(job)["beauty"].values<glm::vec4>(), truth), 0.1) << technique;
+  }
+  Job closed = seen(room(1, true));
+  closed.sides = "open";
+  const auto open = images_of(closed)["beauty"].values<glm::vec4>();
+  closed.sides = "block";
+  EXPECT_EQ(open, images_of(closed)["beauty"].values<glm::vec4>());
+}
+
+// A ten-thousandth and ten thousand times as large the picture is the same.
+TEST_F(FrameOpen, AScenesScaleChangesNothing) {
+  const auto one = images_of(seen(room(1, false)))["beauty"].values<glm::vec4>();
+  for (const double scale : {1e-4, 1e4}) {
+    const auto other = images_of(seen(room(scale, false), scale))["beauty"].values<glm::vec4>();
+    size_t differing = 0;
+    for (size_t i = 0; i < one.size(); ++i)
+      for (int c = 0; c < 3; ++c) differing += std::abs(other[i][c] - one[i][c]) > 0.008f * (0.1f + one[i][c]);
+    EXPECT_LE(differing, 3 * one.size() / 1000) << scale;
+  }
+}
+
+// A sheet of alpha 0.7 leaves 0.3 of a light, whatever the method of transparency.
+TEST_F(FrameOpen, ABlendedSheetCastsItsShadow) {
+  GltfBuilder b = empty_scene();
+  add_node(b, {{"mesh", add_square_mesh(b, 4, add_material(b, diffuse_material(0.8, 0.8, 0.8)))}});
+  Json sheet = diffuse_material(0.5, 0.5, 0.5);
+  sheet["pbrMetallicRoughness"]["baseColorFactor"] = {0.5, 0.5, 0.5, 0.7};
+  sheet["alphaMode"] = "BLEND";
+  add_node(b, {{"mesh", add_square_mesh(b, 0.8f, add_material(b, sheet))}, {"translation", {1.5, 0, 1}}});
+  add_light(b, {{"type", "directional"}, {"intensity", 3.0}},
+            {{"rotation", rotation_between({0, 0, -1}, {-1.5, 0, -1})}});
+  Job job = job_for(write(b), width, height, 1);
+  look(job, {-2, 0, 5}, {0, 0, 0}, 20);
+  const double half = 3 * std::sqrt(1 / 3.25) * 0.8 / std::numbers::pi;
+  for (const char* technique : {"clustered", "visibility", "ray"})
+    for (const char* transparency : {"sorted", "layers"}) {
+      job.technique = technique, job.transparency = transparency;
+      const glm::vec4 middle = images_of(job)["beauty"].at<glm::vec4>(width / 2, height / 2);
+      EXPECT_NEAR(middle.x, 0.3 * half, 0.01 * half) << technique << " " << transparency;
+    }
+}
+
+}  // namespace candela::test

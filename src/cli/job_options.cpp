@@ -43,13 +43,6 @@ void add_technique_options(CLI::App& command, JobOptions& o) {
           "the device can, else by moments")
       ->capture_default_str()
       ->type_name("NAME");
-  command
-      .add_option(
-          "--sides", o.sides,
-          "Light from behind faces that are single-sided: block stops it, open lets it through, auto: open where "
-          "the camera looks through many such faces")
-      ->capture_default_str()
-      ->type_name("auto|block|open");
   command.add_option("--set", o.settings, "One knob, over the preset (candela list knobs); may be given again")
       ->allow_extra_args(false)
       ->type_name("PASS.KNOB=VALUE");
@@ -187,6 +180,14 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
       .add_option("--look", o.look,
                   "Look file (docs/look.md); NAME.look.json beside the scene where nothing is given; none: no look")
       ->type_name("FILE");
+  if (renderer != Renderer::none)
+    command
+        .add_option(
+            "--sides", o.sides,
+            "Light from behind faces that are single-sided: block stops it, open lets it through, auto: open where "
+            "the camera looks through many such faces")
+        ->capture_default_str()
+        ->type_name("auto|block|open");
   command
       .add_option("--cut-outs", o.cut_outs,
                   "Blended materials whose alpha is all or nothing (candela facts): blended, or masked")

@@ -266,7 +266,7 @@ Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const referen
   picture.width_px = job.width_px, picture.height_px = job.height_px;
   picture.background = job.background;
   picture.shading = job.shading, picture.probe = job.probe, picture.variant = job.variant;
-  picture.cut_outs = job.cut_outs, picture.up = job.up;
+  picture.cut_outs = job.cut_outs, picture.up = job.up, picture.sides = job.sides;
   picture.sky = job.sky.empty() || is_sky_word(job.sky) ? job.sky : "sky";
   picture.look = job.look.empty() ? "" : "look";
   return hash128(fmt::format("candela reference {}\n{}\n{}\n{}\n{:a}{}", CANDELA_VERSION, job_json(picture),

@@ -81,7 +81,9 @@ class ReferenceOcclusion : public ReferenceParity {
   struct Result {
     Difference defaults, integration, model;
   };
-  Result compared(const Job& job) {
+  Result compared(Job job) {
+    job.look = look_file(R"({"occlusion": {"radius_m": 1}})");
+    job.settings = {{"occlusion", "method", "screen"}};
     const Truth truth = traced(job);
     const std::vector<double> defaults = drawn(job, {}), end = drawn(job, exact());
     const Result r{difference(defaults, truth.open, truth), difference(defaults, end, truth),
@@ -124,6 +126,22 @@ TEST_F(ReferenceOcclusion, TheStreetAgreesWithTheTracedTerm) {
   EXPECT_LT(r.defaults.rmse, 0.065);
   EXPECT_LT(r.integration.rmse, 0.045);
   EXPECT_LT(std::abs(r.defaults.bias), 0.015);
+}
+
+// By rays nothing is unknown but what a ray a texel and a filter miss, whatever the radius.
+TEST_F(ReferenceOcclusion, RaysAgreeWithTheTracedTermWithoutARadius) {
+  Job job = job_for(street(), 320, 180, 4);
+  job.settings = {{"occlusion", "method", "rays"}};
+  const Truth truth = traced(job);
+  double before = 1;
+  for (const auto& [rays, most] : {std::pair("1", 0.07), {"16", 0.05}}) {
+    const Difference d = difference(drawn(job, {{"occlusion", "rays", rays}}), truth.open, truth);
+    fmt::print("{} rays a texel: RMSE of V {:.4f} (bias {:+.4f})\n", rays, d.rmse, d.bias);
+    EXPECT_LT(d.rmse, most);
+    EXPECT_LT(d.rmse, before);
+    EXPECT_LT(std::abs(d.bias), 0.01);
+    before = d.rmse;
+  }
 }
 
 }  // namespace candela::test

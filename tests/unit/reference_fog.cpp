@@ -343,7 +343,7 @@ TEST(Fog, DirectAgreesWithPathsOfOneBounce) {
   const auto t = make_world(b, c, Sky::neutral(), true, glm::dvec4(0), false, fog);
   TraceSettings direct;
   direct.fog_steps = 8;
-  const Film a = traced(*t, direct, c, 64), p = traced(*t, path_settings(1), c, 1024);
+  const Film a = traced(*t, direct, c, 256), p = traced(*t, path_settings(1), c, 2048);
   for (int channel = 0; channel < 3; ++channel) {
     const MeanError da = mean_of(a, channel), pa = mean_of(p, channel);
     EXPECT_NEAR(da.mean, pa.mean, 4.5 * (da.error + pa.error)) << channel;

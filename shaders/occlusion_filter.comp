@@ -8,6 +8,7 @@ layout(push_constant, scalar) uniform Push { OcclusionFilterPush pc; };
 #include "lib/frame.glsl"
 #include "lib/image_kinds.glsl"
 #include "lib/occlusion_points.glsl"
+#include "lib/openness.glsl"
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(constant_id = 0) const int SHAPE = 257;
 
@@ -18,7 +19,8 @@ void main() {
   const ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(uvec2(texel), pc.texels))) return;
   const vec4 middle = texelFetch(pass_images[pc.open], texel, 0);
-  vec3 sum = vec3(0.0);  // of the fraction, and of how bright all the sky is and what is open of it
+  vec2 open = vec2(0.0);    // of the fraction, and of the mirror direction
+  vec2 bright = vec2(0.0);  // of all the sky, and of what is open
   float weights = 0.0;
   if (middle.y > 0.0) {
     const vec3 p = occlusion_point(texel, middle.y, SHAPE, pc.subsample_ndc);
@@ -34,13 +36,13 @@ void main() {
         const float w = (abs(x) == 2 ? 0.5 : 1.0) * (abs(y) == 2 ? 0.5 : 1.0) * occlusion_likeness(q, p, n) *
             exp2(TURN * (dot(n, facing) - 1.0));
         if (!(w > 0.0)) continue;
-        sum += w * o.xzw;
+        open += w * unpack_open(o.x);
+        bright += w * o.zw;
         weights += w;
       }
   }
   const bool known = weights > 0.0;
-  // Of equal numbers the quotient is 1, which a device may not give.
-  const float fraction = !known ? middle.x : sum.x == weights ? 1.0 : clamp(sum.x / weights, 0.0, 1.0);
   imageStore(storage_images[pc.smooth_open], texel,
-      vec4(fraction, middle.y, known ? sum.yz / weights : middle.zw));
+      vec4(known ? pack_open(open.x / weights, open.y / weights) : middle.x, middle.y,
+          known ? bright / weights : middle.zw));
 }

@@ -27,6 +27,7 @@ Openness occlusion_open(vec3 relative, vec3 plane_normal) {
   const vec2 f = at - vec2(corner);
   const bool by_rays = OCCLUSION_BY_RAYS(HAS_OCCLUSION) != 0;
   float sum = 0.0, weights = 0.0;
+  float mirror = 0.0;
   vec2 bright = vec2(0.0);  // of all the sky, and of what is open
   vec3 bent = vec3(0.0);
   for (int i = 0; i < 4; ++i) {
@@ -36,7 +37,9 @@ Openness occlusion_open(vec3 relative, vec3 plane_normal) {
     const vec2 b = mix(1.0 - f, f, vec2(o));
     const float w = b.x * b.y * occlusion_likeness(occlusion_point(texel, tap.y, HAS_OCCLUSION, subsample_ndc), p, n);
     if (!(w > 0.0)) continue;
-    sum += w * tap.x;
+    const vec2 both = by_rays ? unpack_open(tap.x) : vec2(tap.x, 0.0);
+    sum += w * both.x;
+    mirror += w * both.y;
     weights += w;
     if (OCCLUSION_IS_BENT) bent += w * tap.x * normal_at_place(tap.zw);
     if (by_rays) bright += w * tap.zw;
@@ -44,9 +47,9 @@ Openness occlusion_open(vec3 relative, vec3 plane_normal) {
   if (weights > 1e-3) {
     const float fraction = sum == weights ? 1.0 : clamp(sum / weights, 0.0, 1.0);
     return Openness(fraction, by_rays ? open_diffuse(fraction, bright.x, bright.y) : fraction,
-        bent_in_world(bent, plane_normal));
+        by_rays ? clamp(mirror / weights, 0.0, 1.0) : -1.0, bent_in_world(bent, plane_normal));
   }
-  float least = 3e38, open = 1.0;
+  float least = 3e38, open = by_rays ? pack_open(1.0, 1.0) : 1.0;
   for (int y = -1; y <= 2; ++y)
     for (int x = -1; x <= 2; ++x) {
       const ivec2 texel = clamp(corner + ivec2(x, y), ivec2(0), last);
@@ -60,6 +63,7 @@ Openness occlusion_open(vec3 relative, vec3 plane_normal) {
       if (OCCLUSION_IS_BENT) bent = normal_at_place(tap.zw);
       bright = tap.zw;
     }
-  open = clamp(open, 0.0, 1.0);
-  return Openness(open, by_rays ? open_diffuse(open, bright.x, bright.y) : open, bent_in_world(bent, plane_normal));
+  const vec2 both = by_rays ? unpack_open(open) : vec2(clamp(open, 0.0, 1.0), -1.0);
+  return Openness(both.x, by_rays ? open_diffuse(both.x, bright.x, bright.y) : both.x, both.y,
+      bent_in_world(bent, plane_normal));
 }

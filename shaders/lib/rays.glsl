@@ -17,8 +17,9 @@ vec3 rays_begin;         // its place; rays to lights behind a body's slab begin
 #endif
 const float BEFORE_END = 1.0 - 4e-6;  // keeps a ray off what it is aimed at
 
-// position: of the fragment, relative; normal: of its triangle, on the viewer's side.
-void find_origin(vec3 position, vec3 normal) {
+// position: of the fragment, relative; normal: of its triangle, on the viewer's side. False: none of the trees'
+// triangles is there.
+bool find_origin(vec3 position, vec3 normal) {
   const float reach = trace_largest(position);
   TraceRay ray = TraceRay(vec3(0.0), 0.999, position, 1.001);
   if (frame.perspective == 0u) {
@@ -27,7 +28,8 @@ void find_origin(vec3 position, vec3 normal) {
   }
   TraceHit hit;
   // Lanes beside the triangle may be anywhere.
-  if (reach < 1e18 && trace(ray, TRACE_LOCATE, TRACE_NOTHING, hit)) {
+  const bool found = reach < 1e18 && trace(ray, TRACE_LOCATE, TRACE_NOTHING, hit);
+  if (found) {
     rays_from = trace_point(hit);
   } else {  // none of the trees' triangles: a line, a point, or an edge where the rasterizer covers more
     rays_from = TracePoint(position, normal, 3.8146973e-6 * reach);
@@ -37,6 +39,7 @@ void find_origin(vec3 position, vec3 normal) {
   rays_begin = rays_from.position;
 #endif
   rays_side = dot(rays_from.normal, normal) < 0.0 ? -rays_from.normal : rays_from.normal;
+  return found;
 }
 
 // Which of how many points share what the pixel has of rays.
@@ -127,5 +130,14 @@ SkyOpen sky_open(bool bends) {
 // Where the mean open direction is asked for, that tells where light comes from.
 Openness openness(SkyOpen o) {
   const float diffuse = OCCLUSION_IS_BENT ? o.fraction : open_diffuse(o.fraction, o.bright, o.bright_open);
-  return Openness(o.fraction, diffuse, o.bent);
+  return Openness(o.fraction, diffuse, -1.0, o.bent);
+}
+// Of the light from the mirror direction of a viewer in unit direction `to_viewer`, by the triangle's normal.
+float mirror_open(vec3 to_viewer) {
+  const RaySettings s = RaySettingsRef(pc.rays).s;
+  const vec3 d = reflect(-to_viewer, rays_side);
+  if (!(dot(d, rays_side) > 0.0)) return 1.0;
+  const float hidden = 1.0 - rays_through(TraceRay(leaving_origin(rays_from, d), 0.0, d, s.occlusion_radius_m), 0u,
+      s.occlusion_radius_m, s.occlusion_fade_m);
+  return 1.0 - s.occlusion_strength * hidden;
 }

@@ -14,7 +14,7 @@ float traced_visibility(LightRef light, uint number) { return 1.0; }
 #ifdef LIGHT_EVAL
 vec3 traced_soft_light(LightRef light, uint number, BrdfTerms brdf, vec3 position) { return vec3(0.0); }
 #endif
-Openness traced_open() { return Openness(1.0, 1.0, vec3(0.0)); }
+Openness traced_open() { return Openness(1.0, 1.0, -1.0, vec3(0.0)); }
 #else
 #include "lib/rays.glsl"
 

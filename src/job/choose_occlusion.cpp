@@ -45,15 +45,17 @@ bool surfaces_move(const Scene& scene) {
 }  // namespace
 
 ChosenOcclusion choose_occlusion(const Scene& scene, const std::string& animation) {
-  const auto is_field = [](const Node& n) { return n.mesh >= 0 && n.instances != nullptr; };
-  if (std::ranges::any_of(scene.nodes, is_field))
-    return {OcclusionKnobs::screen, "trees need each instance on the host, which the device may pose else"};
   const uint64_t count = triangles(scene);
   const bool moves = animation != "none" && surfaces_move(scene);
-  const uint64_t most = moves ? most_moving : most_still;
+  const auto is_field = [](const Node& n) { return n.mesh >= 0 && n.instances != nullptr; };
+  const bool fields =
+      std::ranges::any_of(scene.nodes, is_field);  // the device may pose them, and trees need the host's
+  const uint64_t most = moves || fields ? most_moving : most_still;
   if (count <= most) return {OcclusionKnobs::by_rays, fmt::format("{} triangles are few enough for trees", count)};
   return {OcclusionKnobs::screen, fmt::format("trees over {} triangles{} would cost more than they give", count,
-                                              moves ? ", made anew for each frame, for the scene moves," : "")};
+                                              moves    ? ", made anew for each frame, for the scene moves,"
+                                              : fields ? " of instances"
+                                                       : "")};
 }
 
 }  // namespace candela

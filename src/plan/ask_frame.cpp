@@ -1,5 +1,7 @@
 #include "plan/ask_frame.h"
 
+#include <fmt/format.h>
+
 #include <bit>
 
 #include "job/background.h"
@@ -65,7 +67,13 @@ Job without_auto(Job job, const Scene& scene, std::vector<std::string>& notes) {
     notes.push_back("technique auto: without a device the plan is that of " + job.technique);
   }
   if (job.transparency == auto_transparency) job.transparency = choose_transparency(scene, job, 1, {}).name;
-  if (job.sides == "auto") job.sides = choose_sides(scene, job).name;
+  if (job.sides == "auto") {
+    const ChosenSides chosen = choose_sides(scene, job);
+    job.sides = chosen.name;
+    if (!chosen.why.empty())
+      notes.push_back(
+          fmt::format("light passes single-sided faces from behind, because {} (--sides block)", chosen.why));
+  }
   return job;
 }
 
@@ -78,8 +86,12 @@ Expected<AskedFrame> ask_frame(const Job& job, const PlanContext& context, const
   auto knobs = frame_knobs(asked.job);
   if (!knobs) return std::unexpected(knobs.error());
   asked.knobs = std::move(*knobs);
-  if (int& method = asked.knobs.get<OcclusionKnobs>().method; method == OcclusionKnobs::automatic)
-    method = choose_occlusion(context.scene, asked.job.animation).method;
+  if (int& method = asked.knobs.get<OcclusionKnobs>().method; method == OcclusionKnobs::automatic) {
+    const ChosenOcclusion chosen = choose_occlusion(context.scene, asked.job.animation);
+    method = chosen.method;
+    asked.occlusion_note = fmt::format("occlusion.method auto: {}, because {}",
+                                       method == OcclusionKnobs::by_rays ? "rays" : "screen", chosen.why);
+  }
   asked.technique = &*std::ranges::find(techniques(), asked.job.technique, &Technique::name);
   auto look = context.look ? context.look->at(time_s) : look_of(asked.job, time_s);
   if (!look) return std::unexpected(look.error());

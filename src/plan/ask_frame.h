@@ -40,6 +40,7 @@ struct AskedFrame {
   const Technique* technique = nullptr;
   FrameRequest request;
   std::vector<std::string> notes;
+  std::string occlusion_note;  // how occlusion.method=auto was chosen; for frames that have any
 };
 Expected<AskedFrame> ask_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted, double time_s);
 

@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "passes/lights/light_grid.h"
+#include "passes/occlusion/occlusion.h"
 #include "passes/shared/light_knobs.h"
 #include "passes/surfaces/refraction.h"
 #include "passes/surfaces/terms.h"
@@ -96,6 +97,8 @@ Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext&
   f.facts.image_light = f.facts.environment && f.facts.takes_light() && f.request.wants_true("ibl");
   if (f.request.draws_probes() && !f.request.neutral_light && f.facts.takes_light())
     f.facts.probes = uint32_t(f.request.look.probes.size());
+  if (!asked.occlusion_note.empty() && AmbientOcclusion::shades(f.facts, f.request))
+    f.notes.push_back(asked.occlusion_note);
   f.notes.insert(f.notes.end(), f.view.notes.begin(), f.view.notes.end());
   f.notes.insert(f.notes.end(), f.pose.warnings.begin(), f.pose.warnings.end());
   if (f.request.neutral_light)

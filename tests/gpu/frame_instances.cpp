@@ -80,6 +80,7 @@ TEST_F(PosedItems, GiveTheBytesOfTheHostsPoseWithShadowMaps) {
     for (const bool on_device : {false, true}) {
       Job job = job_of(scene, away, technique, on_device);
       job.effects = "auto";
+      job.settings.push_back({"occlusion", "method", "screen"});  // trees need the host's pose
       const auto session = open(job);
       ASSERT_TRUE(session);
       const FrameResult frame = render(*session, 1.3);

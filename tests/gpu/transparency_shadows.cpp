@@ -201,8 +201,8 @@ TEST_F(TransparencyShadows, ALensGathersLight) {
   for (auto& p : lens.position) p.z *= 0.3;
   for (auto& n : lens.normal) n = glm::normalize(n / glm::dvec3(1, 1, 0.3));
   add_shape(b, lens, glass_material({.ior = 1.5, .thickness_m = 0.2}), {0, 0, -0.3});
-  const auto wall_of = [&](const GltfBuilder& scene, const char* steps) {
-    Job job = from_aside(scene, {{"colored_shadows", "steps", steps}, {"sun", "single_px", "2048"}});
+  const auto wall_of = [&](const GltfBuilder& scene, const char* steps, const char* size_px = "2048") {
+    Job job = from_aside(scene, {{"colored_shadows", "steps", steps}, {"sun", "single_px", size_px}});
     look(job, {2.2, 0, -0.2}, {0, 0, -1}, 40);  // beside the lens
     return images_of(job)["beauty"];
   };
@@ -228,7 +228,12 @@ TEST_F(TransparencyShadows, ALensGathersLight) {
           expected += interface_left / 1.04 * (h + 5e-4) * 1e-3 / (r * std::abs(after - before));
       before = after;
     }
-    EXPECT_NEAR(fraction(bent, x), expected, 0.1 * expected) << x;
+    // At the focus a texel holds 0.8 to 1.5 of this as it lies (maps of 1024 to 4096): the mean over maps whose texels
+    // lie differently.
+    double mean = 0;
+    for (const char* size_px : {"1536", "2048", "2560", "3072", "3584", "4096"})
+      mean += double(fraction(wall_of(b, "8", size_px), x)) / 6;
+    EXPECT_NEAR(mean, expected, 0.15 * expected) << x;
   }
   float least = 1;
   for (int x = 0; x < glass_width; ++x) least = std::min(least, fraction(bent, x));

@@ -36,20 +36,16 @@ void main() {
     const vec3 position = p.x * frame.camera_right + p.y * frame.camera_up + p.z * frame.camera_back;
     const vec3 to_viewer = frame.perspective != 0u ? normalize(-position) : frame.camera_back;
     // An edge where the rasterizer covers more than the triangle: the texels about it know its surface.
-    if (!find_origin(position, to_viewer)) point = 0.0;
-  }
-  if (point > 0.0) {
-    const vec3 p = occlusion_point(texel, point, SHAPE, pc.subsample_ndc);
-    const vec3 to_viewer = frame.perspective != 0u
-        ? -normalize(p.x * frame.camera_right + p.y * frame.camera_up + p.z * frame.camera_back) : frame.camera_back;
+    const bool found = find_origin(position, to_viewer);
     const uvec2 square = uvec2(texel) / PATTERN_SIDE;
     const uvec2 own = uvec2(rays_hash(uvec3(square, 2u * pc.seed)), rays_hash(uvec3(square, 2u * pc.seed + 1u)));
     const uint first = (PATTERN_TEXELS * pc.subsample + place_in_pattern(uvec2(texel))) * pc.count;
     open = sky_open(false, first, pc.count, own);
     mirror = mirror_open(to_viewer);
     n = vec3(dot(rays_side, frame.camera_right), dot(rays_side, frame.camera_up), dot(rays_side, frame.camera_back));
+    if (!found) point = 0.0;
   }
   if (KEEPS_NORMALS != 0) imageStore(storage_uint_images[pc.normals], texel, uvec4(pack_normal(n)));
-    n = vec3(
-        dot(rays_side, frame.camera_right), dot(rays_side, frame.camera_up), dot(rays_side, frame.camera_back));
+  const float both = pack_open(open.fraction, mirror);
+  imageStore(storage_images[pc.open], texel, vec4(both, point, open.bright, open.bright_open));
 }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "scene/sum_over_instances.h"
+
 namespace candela {
 namespace {
 
@@ -12,15 +14,9 @@ namespace {
 constexpr uint64_t most_still = 2'000'000, most_moving = 20'000;
 
 uint64_t triangles(const Scene& scene) {
-  uint64_t sum = 0;
-  for (const int n : scene.order) {
-    const Node& node = scene.nodes[size_t(n)];
-    if (node.mesh < 0) continue;
-    const uint64_t times = node.instances ? node.instances->count : 1;
-    for (const MeshSection& section : scene.meshes[size_t(node.mesh)].sections)
-      if (section.topology == Topology::triangles) sum += times * (section.index.size() / 3);
-  }
-  return sum;
+  return sum_over_instances(scene, [](const MeshSection& section) -> uint64_t {
+    return section.topology == Topology::triangles ? section.index.size() / 3 : 0;
+  });
 }
 
 bool moves_nodes(TargetPath path) { return path <= TargetPath::node_visible; }

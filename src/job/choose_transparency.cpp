@@ -5,6 +5,7 @@
 #include "passes/surfaces/transparent.h"
 #include "passes/transparency/fragments.h"
 #include "passes/transparency/moments.h"
+#include "scene/sum_over_instances.h"
 
 namespace candela {
 namespace {
@@ -29,15 +30,9 @@ bool is_blended(const Scene& scene, const MeshSection& section) {
 }  // namespace
 
 uint64_t blended_primitives(const Scene& scene) {
-  uint64_t sum = 0;
-  for (const int n : scene.order) {
-    const Node& node = scene.nodes[size_t(n)];
-    if (node.mesh < 0) continue;
-    const uint64_t times = node.instances ? node.instances->count : 1;
-    for (const MeshSection& section : scene.meshes[size_t(node.mesh)].sections)
-      if (is_blended(scene, section)) sum += times * primitives(section);
-  }
-  return sum;
+  return sum_over_instances(scene, [&](const MeshSection& section) -> uint64_t {
+    return is_blended(scene, section) ? primitives(section) : 0;
+  });
 }
 
 ChosenTransparency choose_transparency(const Scene& scene, const Job& job, int samples,

@@ -37,33 +37,16 @@ vec3 coat_of_sky(Surface s, BrdfTerms b) {
 vec3 stretched_sky(BrdfTerms b) {
   const uint count = frame.image_light.pixel_samples;
   const mat3 axes = mat3(b.lobes.tangent, b.lobes.bitangent, b.normal);
-  const vec2 alpha = vec2(b.lobes.tangent_alpha, b.alpha);
-  vec3 v = b.to_viewer * axes;
-  v = normalize(vec3(v.xy, max(v.z, 1e-4)));
-  const float length_v = length(vec3(alpha * v.xy, v.z));
-  const vec3 stretched = vec3(alpha * v.xy, v.z) / length_v;
-  const float across2 = dot(stretched.xy, stretched.xy);
-  const vec3 t1 = across2 > 1e-12 ? vec3(-stretched.y, stretched.x, 0.0) * inversesqrt(across2) : vec3(1.0, 0.0, 0.0);
-  const vec3 t2 = cross(stretched, t1);
-  const float g1 = 2.0 * v.z / (v.z + length_v);
+  const VisibleFacets facets = visible_facets(b.to_viewer * axes, vec2(b.lobes.tangent_alpha, b.alpha));
   vec3 sum = vec3(0.0);
   for (uint i = 0u; i < count; ++i) {
     const float u = (float(i) + 0.5) / float(count), phi = 2.3999632 * float(i);
-    const vec2 disc = sqrt(u) * vec2(cos(phi), sin(phi));
-    const float seen = 0.5 * (1.0 + stretched.z);
-    const float y = (1.0 - seen) * sqrt(max(1.0 - disc.x * disc.x, 0.0)) + seen * disc.y;
-    const vec3 nh = disc.x * t1 + y * t2 + sqrt(max(1.0 - disc.x * disc.x - y * y, 0.0)) * stretched;
-    const vec3 h = normalize(vec3(alpha * nh.xy, max(nh.z, 1e-6)));
-    const float v_h = dot(v, h);
-    const vec3 l = 2.0 * v_h * h - v;
-    if (l.z <= 0.0 || v_h <= 0.0) continue;
-    const float g2 = 2.0 * l.z * v.z / (l.z * length_v + v.z * length(vec3(alpha * l.xy, l.z)));
-    const vec3 q = vec3(h.xy / alpha, h.z);
-    const float k = dot(q, q), pdf = g1 / (4.0 * PI * alpha.x * alpha.y * k * k * v.z);
+    const FacetSample facet = sample_facet(facets, sqrt(u) * vec2(cos(phi), sin(phi)));
+    if (facet.pdf < 0.0) continue;
     // The round lobe about a mirror direction that is as wide.
-    const float round_alpha = sqrt(1.0 / (float(count) * pdf * 4.0 * PI));
+    const float round_alpha = sqrt(1.0 / (float(count) * facet.pdf * 4.0 * PI));
     const float slice = max(slice_of_roughness(sqrt(min(round_alpha, 1.0))), float(sky_lights_from));
-    sum += base_fresnel(b, v_h).specular * (g2 / g1) * filtered_sky(axes * l, slice);
+    sum += base_fresnel(b, facet.v_h).specular * facet.uncovered * filtered_sky(axes * facet.l, slice);
   }
   return sum / float(count) + sky_lights(b, float(sky_lights_from));
 }

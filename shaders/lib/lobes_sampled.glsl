@@ -1,6 +1,42 @@
 // Part of lib/image_light.glsl where LOBED: the sky's light on sheen, and sampled_sky() of bases with films, stretched
 // facets and light that passes through.
 
+// What a viewer sees of facets of a width along each axis, and directions that they reflect it to (Heitz, "Sampling the
+// GGX Distribution of Visible Normals", 2018). In the axes of the facets, unit vectors; z is the surface's normal.
+struct VisibleFacets {
+  vec3 v, stretched, t1, t2;  // to the viewer; the same as the facets' hemisphere shows it, and axes across it
+  vec2 alpha;
+  float length_v, g1;
+};
+VisibleFacets visible_facets(vec3 to_viewer, vec2 alpha) {
+  const vec3 v = normalize(vec3(to_viewer.xy, max(to_viewer.z, 1e-4)));
+  const float length_v = length(vec3(alpha * v.xy, v.z));
+  const vec3 stretched = vec3(alpha * v.xy, v.z) / length_v;
+  const float across2 = dot(stretched.xy, stretched.xy);
+  const vec3 t1 = across2 > 1e-12 ? vec3(-stretched.y, stretched.x, 0.0) * inversesqrt(across2) : vec3(1.0, 0.0, 0.0);
+  return VisibleFacets(v, stretched, t1, cross(stretched, t1), alpha, length_v, 2.0 * v.z / (v.z + length_v));
+}
+struct FacetSample {
+  vec3 h, l;  // the facet's normal, and the direction that it reflects to
+  float v_h;
+  float uncovered;  // the part of what the viewer sees that other facets leave to l
+  float pdf;        // of l, per steradian; negative: l is below the surface
+};
+FacetSample sample_facet(VisibleFacets f, vec2 disc) {
+  const float s = 0.5 * (1.0 + f.stretched.z);
+  const float y = (1.0 - s) * sqrt(max(1.0 - disc.x * disc.x, 0.0)) + s * disc.y;
+  const vec3 nh = disc.x * f.t1 + y * f.t2 + sqrt(max(1.0 - disc.x * disc.x - y * y, 0.0)) * f.stretched;
+  const vec3 h = normalize(vec3(f.alpha * nh.xy, max(nh.z, 1e-6)));
+  const float v_h = dot(f.v, h);
+  const vec3 l = 2.0 * v_h * h - f.v;
+  if (l.z <= 0.0 || v_h <= 0.0) return FacetSample(h, l, v_h, 0.0, -1.0);
+  const float g2 = 2.0 * l.z * f.v.z / (l.z * f.length_v + f.v.z * length(vec3(f.alpha * l.xy, l.z)));
+  const float area = f.alpha.x * f.alpha.y;
+  const vec3 q = vec3(h.x * f.alpha.y, h.y * f.alpha.x, h.z * area) / area;
+  const float k = dot(q, q);
+  return FacetSample(h, l, v_h, g2 / f.g1, f.g1 / (4.0 * PI * area * k * k * f.v.z));
+}
+
 // The sky's light on white sheen. What its wide lobe gathers is told by a few directions, evenly spread, each as wide
 // as its fraction; bright spots are lights. Their weights are made to sum to the lobe's albedo.
 vec3 sheen_of_sky(BrdfTerms b) {
@@ -43,14 +79,8 @@ SkyLobes sampled_sky(BrdfTerms b, vec3 facing, float roughness) {
     axes = mat3(b.lobes.tangent, b.lobes.bitangent, b.normal);
     alpha.x = b.lobes.tangent_alpha;
   }
-  vec3 v = b.to_viewer * axes;
-  v = normalize(vec3(v.xy, max(v.z, 1e-4)));
-  const float length_v = length(vec3(alpha * v.xy, v.z));
-  const vec3 stretched = vec3(alpha * v.xy, v.z) / length_v;
-  const float across2 = dot(stretched.xy, stretched.xy);
-  const vec3 t1 = across2 > 1e-12 ? vec3(-stretched.y, stretched.x, 0.0) * inversesqrt(across2) : vec3(1.0, 0.0, 0.0);
-  const vec3 t2 = cross(stretched, t1);
-  const float g1 = 2.0 * v.z / (v.z + length_v);
+  const VisibleFacets facets = visible_facets(b.to_viewer * axes, alpha);
+  const vec3 v = facets.v;
   const uint count = frame.image_light.pixel_samples;
   const float slice = slice_of_roughness(roughness), fraction = share_of_lights(slice);
   SkyLobes sum = SkyLobes(vec3(0.0), vec3(0.0));
@@ -58,7 +88,7 @@ SkyLobes sampled_sky(BrdfTerms b, vec3 facing, float roughness) {
     const float u = (float(i) + 0.5) / float(count), phi = 2.0 * PI * float(bitfieldReverse(i)) * (1.0 / 4294967296.0);
     const vec2 disc = sqrt(u) * vec2(cos(phi), sin(phi));
     // Diffuse, of both sides.
-    vec3 l = vec3(disc, sqrt(max(1.0 - u, 0.0)));
+    const vec3 l = vec3(disc, sqrt(max(1.0 - u, 0.0)));
     const float left = (1.0 - base_fresnel(b, 0.5 * length(l + v)).dielectric) * sheen_leaves(b, l.z);
     const float covered = PI / (float(count) * l.z);
     if (b.diffuse != vec3(0.0) && l.z > 0.0)
@@ -66,20 +96,12 @@ SkyLobes sampled_sky(BrdfTerms b, vec3 facing, float roughness) {
     if (HAS_PASSING && b.lobes.passing != vec3(0.0) && l.z > 0.0)
       sum.diffuse += left * b.lobes.passing * sky_through(facing_axes * vec3(l.xy, -l.z), covered).rest;
     // Specular.
-    const float s = 0.5 * (1.0 + stretched.z);
-    const float y = (1.0 - s) * sqrt(max(1.0 - disc.x * disc.x, 0.0)) + s * disc.y;
-    const vec3 nh = disc.x * t1 + y * t2 + sqrt(max(1.0 - disc.x * disc.x - y * y, 0.0)) * stretched;
-    const vec3 h = normalize(vec3(alpha * nh.xy, max(nh.z, 1e-6)));
-    const float v_h = dot(v, h);
-    l = 2.0 * v_h * h - v;
-    if (l.z <= 0.0 || v_h <= 0.0) continue;
-    const float g2 = 2.0 * l.z * v.z / (l.z * length_v + v.z * length(vec3(alpha * l.xy, l.z)));
-    const vec3 q = vec3(h.x * alpha.y, h.y * alpha.x, h.z * alpha.x * alpha.y) / (alpha.x * alpha.y);
-    const float k = dot(q, q);
-    const float pdf = g1 / (4.0 * PI * alpha.x * alpha.y * k * k * v.z);
-    const SkyTexels sky = sky_through(axes * l, 1.0 / (float(count) * pdf));
-    const float weight = sampled_weight(b, g2 / g1, pdf, h, l.z) * sheen_leaves(b, l.z);
-    sum.specular += base_fresnel(b, v_h).specular * weight * mix(sky.all, sky.rest, fraction);
+    const FacetSample facet = sample_facet(facets, disc);
+    if (facet.pdf < 0.0) continue;
+    const SkyTexels sky = sky_through(axes * facet.l, 1.0 / (float(count) * facet.pdf));
+    const float weight =
+        sampled_weight(b, facet.uncovered, facet.pdf, facet.h, facet.l.z) * sheen_leaves(b, facet.l.z);
+    sum.specular += base_fresnel(b, facet.v_h).specular * weight * mix(sky.all, sky.rest, fraction);
   }
   sum.diffuse *= PI / float(count);
   sum.specular /= float(count);

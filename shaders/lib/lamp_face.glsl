@@ -3,7 +3,7 @@
 #include "shared/shadows.h"
 
 struct LampFace {
-  vec3 right, up;
+  vec3 right, up, forward;
   float z;    // of the direction along the side's own axis; not above 0 behind a spot
   vec3 tile;  // of LampShadow
 };
@@ -22,6 +22,7 @@ LampFace lamp_face(uint lamp, vec3 d) {
     forward = f.up.zxy * (along < 0.0 ? -1.0 : 1.0);
     side = 2u * uint(axis) + (along < 0.0 ? 1u : 0u);
   }
+  f.forward = forward;
   f.z = dot(forward, d);
   f.tile = lamps.s[lamp].tiles[side];
   return f;

@@ -10,13 +10,23 @@
 //   one is not taken for something in front of this one.
 // - A texel on which the plane lies some texels nearer to the light than the point sees nothing of what lies between,
 //   and counts less and less.
-// - Curved surfaces are not planes: the plane is moved towards the light by a fraction of a texel.
+// - Curved surfaces are not planes: the plane is moved towards the light by a fraction of a texel, and the more the
+//   farther from the point a texel lies, or a facet would darken the next one along their edge.
 
 #include "lib/axes.glsl"
 #include "lib/lamp_face.glsl"
 
 const float PLANE_LIFT_TEXELS = 0.15, MOST_LIFT_TEXELS = 2.0;  // along the normal, and along the ray
+const float ROUND_LIFT_TEXELS = 0.3;  // for each texel from the point, along the normal
 const float BLIND_TEXELS = 4.0;
+// Where a pixel covers more of the map than the tent does, texels are compared two by two about some places that have
+// the variance of what the pixel covers (lib/pixel_span.glsl).
+const float WIDE_PIXEL_TEXELS = 2.2, MOST_REACH_TEXELS = 6.0;
+// How far a step moves what the map shows, in tangents.
+vec2 on_lamp_map(LampFace side, vec2 tangent, vec3 step) {
+  const float along = dot(side.forward, step);
+  return vec2(dot(side.right, step) - tangent.x * along, -dot(side.up, step) - tangent.y * along) / side.z;
+}
 
 // Of a light with a size, as soft_sun_visibility says: directions from the light's middle into a disc about that to the
 // point, each on the side of the cube that it meets.
@@ -70,6 +80,22 @@ float soft_lamp_visibility(uint lamp, float radius_m, vec3 q, vec3 normal) {
   return lit / float(count);
 }
 
+// The plane of a point's triangle as a map shows it. Depths in shares of the point's own.
+struct LampPlane {
+  float here;          // the point's reversed depth
+  float bias, lift;    // of all texels, and more for each texel from the point
+  vec2 slope;          // over a texel
+  float blind;         // from there on a texel counts nothing
+};
+// Two by two texels, x and y from the point, of which each counts as much as `weight` says. lit, all: sums of weights.
+void compare_texels(LampPlane plane, vec4 stored, vec4 x, vec4 y, vec4 weight, inout float lit, inout float all) {
+  const vec4 nearer = max(plane.slope.x * x + plane.slope.y * y, vec4(0.0));
+  const vec4 lift = plane.lift * min(abs(x) + abs(y), 2.0);
+  const vec4 counts = weight * max(1.0 - nearer / plane.blind, 0.0);
+  lit += dot(counts, vec4(greaterThanEqual(plane.here * (1.0 + plane.bias + nearer + lift), stored)));
+  all += counts.x + counts.y + counts.z + counts.w;
+}
+
 // 1: lit, 0: in shadow. position: relative; normal: of the triangle.
 float lamp_visibility(uint lamp, LightRef light, vec3 position, vec3 normal) {
   LampShadowsRef lamps = LampShadowsRef(pc.lamps);
@@ -93,24 +119,39 @@ float lamp_visibility(uint lamp, LightRef light, vec3 position, vec3 normal) {
       (abs(slope.x) + abs(slope.y)) * (1.0 / 64.0);
   const vec2 tangent = clamp(vec2(dot(side.right, q), -dot(side.up, q)) / z, vec2(-most), vec2(most));
   const vec2 place = tile.xy + tangent / texel - 0.5, f = fract(place);
+  const LampPlane plane = LampPlane(lamp_near_m / z, bias, min(ROUND_LIFT_TEXELS / away, MOST_LIFT_TEXELS) * texel,
+      slope, BLIND_TEXELS * texel);
+  const uint places = lamps.s[lamp].pixel_places;
+  const PixelSpan span = pixel_span(position, normal);
+  const vec2 a = on_lamp_map(side, tangent, span.across) / texel, b = on_lamp_map(side, tangent, span.down) / texel;
+  float lit = 0.0, all = 0.0;
+  if (places > 0u && dot(a, a) + dot(b, b) > WIDE_PIXEL_TEXELS * WIDE_PIXEL_TEXELS) {
+    const Ellipse reach = ellipse_of(0.0, a, b, MOST_REACH_TEXELS);
+    const vec2 last = vec2(most / texel + 0.75);  // of the tile
+    for (uint i = 0u; i < places; ++i) {
+      const vec2 off = on_ellipse(reach, shadow_place(i, places, 0.0));
+      const vec2 at = clamp(tangent / texel + off, -last, last) + tile.xy - 0.5, first = floor(at), part = at - first;
+      const vec4 stored = textureGather(
+          sampler2DArray(pass_array_images[pc.lamp_maps], graph_samplers[SAMPLER_NEAREST_CLAMP]),
+          vec3((first + 1.0) * lamps.s[lamp].uv_per_texel, tile.z));
+      const vec2 from = first - place, weight = 1.0 - part;
+      compare_texels(plane, stored, from.x + vec4(0.0, 1.0, 1.0, 0.0), from.y + vec4(1.0, 1.0, 0.0, 0.0),
+          vec4(weight.x, part.x, part.x, weight.x) * vec4(part.y, part.y, weight.y, weight.y), lit, all);
+    }
+    return all > 0.0 ? min(lit / all, 1.0) : 1.0;
+  }
   const vec4 weight_x = max(vec4(0.5 - f.x, 1.5 - f.x, 0.5 + f.x, f.x - 0.5), 0.0);
   const vec4 weight_y = max(vec4(0.5 - f.y, 1.5 - f.y, 0.5 + f.y, f.y - 0.5), 0.0);
-  const float here = lamp_near_m / z;
-  float lit = 0.0, all = 0.0;
   for (int j = 0; j < 4; j += 2) {
     for (int i = 0; i < 4; i += 2) {
       // From the corner that four texels share, in the order of textureGather.
       const vec2 corner = (floor(place) + vec2(float(i), float(j))) * lamps.s[lamp].uv_per_texel;
       const vec4 stored = textureGather(
           sampler2DArray(pass_array_images[pc.lamp_maps], graph_samplers[SAMPLER_NEAREST_CLAMP]), vec3(corner, tile.z));
-      const vec4 x = vec4(float(i), float(i + 1), float(i + 1), float(i)) - 1.0 - f.x;
-      const vec4 y = vec4(float(j + 1), float(j + 1), float(j), float(j)) - 1.0 - f.y;
-      const vec4 nearer = max(slope.x * x + slope.y * y, vec4(0.0));
-      const vec4 weight = vec4(weight_x[i], weight_x[i + 1], weight_x[i + 1], weight_x[i]) *
-          vec4(weight_y[j + 1], weight_y[j + 1], weight_y[j], weight_y[j]) *
-          max(1.0 - nearer / (BLIND_TEXELS * texel), 0.0);
-      lit += dot(weight, vec4(greaterThanEqual(here * (1.0 + bias + nearer), stored)));
-      all += weight.x + weight.y + weight.z + weight.w;
+      compare_texels(plane, stored, vec4(float(i), float(i + 1), float(i + 1), float(i)) - 1.0 - f.x,
+          vec4(float(j + 1), float(j + 1), float(j), float(j)) - 1.0 - f.y,
+          vec4(weight_x[i], weight_x[i + 1], weight_x[i + 1], weight_x[i]) *
+              vec4(weight_y[j + 1], weight_y[j + 1], weight_y[j], weight_y[j]), lit, all);
     }
   }
   return min(lit / all, 1.0);  // never 0: one of the inner texels lies where the plane leads away

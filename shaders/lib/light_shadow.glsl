@@ -12,6 +12,7 @@ float shadow_turn() {
   return 6.2831853 * fract(noise);
 }
 
+#include "lib/pixel_span.glsl"
 #include "lib/traced_light.glsl"
 #include "lib/sun_shadow.glsl"
 #include "lib/lamp_shadow.glsl"

@@ -1,15 +1,16 @@
 // How much of a directional light's rays come through, from its cascades of depth maps. Part of
 // lib/light_shadow.glsl; needs pc.suns and pc.sun_maps. Only where HAS_SUN_SHADOWS is 1.
 //
-// A point takes the finest cascade that covers it, from there the mean of nine comparisons on a Poisson disc that is
-// turned from pixel to pixel (noise instead of bands; Jimenez, "Next Generation Post Processing in Call of Duty:
-// Advanced Warfare", 2014, for the turn). The disc's radius is 1.25 texels, and widens to 2.5 towards a cascade's edge,
-// where the next one's texels are larger. The point is moved off its surface along the triangle's normal by as much as
-// the slope can differ within the reach of the lookup (Holbert, "Saying Goodbye to Shadow Acne", 2011).
+// A point takes the finest cascade that covers it, from there the mean of nine comparisons on a Poisson disc of 1.25
+// texels, which widens to 2.5 towards a cascade's edge, where the next one's texels are larger. The disc is stretched
+// by what the pixel covers of the surface, so that an edge finer than pixels is their mean and does not jump from one
+// to the next as the camera moves. The point is moved off its surface along the triangle's normal by as much as the slope
+// can differ within the reach of the disc (Holbert, "Saying Goodbye to Shadow Acne", 2011); along the pixel's part each
+// comparison is with the plane of the triangle there (Isidoro, "Shadow Mapping: GPU-based Tips and Techniques", 2006).
 #include "lib/plane.glsl"
 #include "lib/sun_cascades.glsl"
 
-const float KERNEL_TEXELS = 1.25, WIDEST_KERNEL_TEXELS = 2.5;
+const float KERNEL_TEXELS = 1.25, WIDEST_KERNEL_TEXELS = 2.5, MOST_KERNEL_TEXELS = 6.0;
 const vec2 POISSON_DISC[9] = vec2[](vec2(-0.4862, 0.1613), vec2(0.5966, 0.2921), vec2(0.4500, -0.7884),
                                     vec2(-0.4681, -0.6912), vec2(-0.4098, 0.8839), vec2(0.1890, -0.1863),
                                     vec2(-0.9707, -0.2080), vec2(0.9302, -0.2334), vec2(0.1930, 0.7432));
@@ -19,6 +20,12 @@ const vec2 POISSON_DISC[9] = vec2[](vec2(-0.4862, 0.1613), vec2(0.5966, 0.2921),
 vec2 shadow_place(uint i, uint count, float turn) {
   const float angle = 2.3999632 * float(i) + turn;
   return sqrt((float(i) + 0.5) / float(count)) * vec2(cos(angle), sin(angle));
+}
+
+// A step's part across the light, in metres along the axes of its maps.
+vec2 across_light(uint sun, vec3 step) {
+  SunShadowsRef suns = SunShadowsRef(pc.suns);
+  return vec2(unfused_dot(suns.s[sun].right, step), unfused_dot(suns.s[sun].up, step));
 }
 
 // Of a sun with a size: what blocks it nearby is looked for over the disc of directions to it, and the mean distance of
@@ -52,6 +59,7 @@ float soft_sun_visibility(uint sun, vec3 position, vec3 normal, float n_l, Casca
   const vec2 uv = vec2(0.5) + vec2(across.x, -across.y) * uv_per_metre;
   const float layer = float(suns.s[sun].first_layer + place.number);
   const float turn = shadow_turn();
+  const PixelSpan span = pixel_span(position, normal);
   const vec2 slope = -vec2(dot(normal, suns.s[sun].right), dot(normal, suns.s[sun].up)) * (per_metre / n_l);
   search_m = max(search_m, KERNEL_TEXELS * texel_m);
   float blockers = 0.0, nearer = 0.0;
@@ -67,9 +75,11 @@ float soft_sun_visibility(uint sun, vec3 position, vec3 normal, float n_l, Casca
   }
   if (blockers == 0.0) return 1.0;
   const float radius_m = max(settings.sun_tangent * (nearer / (blockers * per_metre)), KERNEL_TEXELS * texel_m);
+  const Ellipse reach = ellipse_of(min(radius_m, search_m), across_light(sun, span.across),
+      across_light(sun, span.down), max(search_m, MOST_KERNEL_TEXELS * texel_m));
   float lit = 0.0;
   for (uint i = 0u; i < count; ++i) {
-    const vec2 off = min(radius_m, search_m) * shadow_place(i, count, turn + 1.2);
+    const vec2 off = on_ellipse(reach, shadow_place(i, count, turn + 1.2));
     const float own = depth + max(dot(slope, off), 0.0);
     lit += textureGrad(
         sampler2DArrayShadow(pass_array_images[pc.sun_maps], graph_shadow_samplers[SAMPLER_SHADOW_LINEAR]),
@@ -100,15 +110,22 @@ float sun_visibility(uint sun, vec3 position, vec3 normal) {
   const float per_metre = 0.5 / cascade.half_m;
   precise vec2 uv = vec2(0.5) + vec2(across.x, -across.y) * per_metre;
   const float layer = float(suns.s[sun].first_layer + place.number);
-  const float turn = shadow_turn();
-  precise vec2 cos_sin = vec2(cos(turn), sin(turn)) * (radius * cascade.texel_m * per_metre);
+  // The disc becomes an ellipse with the variances of disc and pixel together.
+  const PixelSpan span = pixel_span(position, normal);
+  const Ellipse reach = ellipse_of(radius * cascade.texel_m, across_light(sun, span.across),
+      across_light(sun, span.down), MOST_KERNEL_TEXELS * cascade.texel_m);
+  precise vec2 slope = -vec2(unfused_dot(normal, suns.s[sun].right), unfused_dot(normal, suns.s[sun].up)) *
+      (length(depth_row.xyz) / max(n_l, 0.05));
   float lit = 0.0;
   for (int i = 0; i < 9; ++i) {
     const vec2 p = POISSON_DISC[i];
-    precise vec2 at = uv + vec2(p.x * cos_sin.x - p.y * cos_sin.y, p.x * cos_sin.y + p.y * cos_sin.x);
+    const vec2 off = on_ellipse(reach, p);
+    precise vec2 beyond = off - radius * cascade.texel_m * p;  // of the disc about the point itself
+    precise float own = depth + max(slope.x * beyond.x + slope.y * beyond.y, 0.0);
+    precise vec2 at = uv + vec2(off.x, -off.y) * per_metre;
     lit += textureGrad(
         sampler2DArrayShadow(pass_array_images[pc.sun_maps], graph_shadow_samplers[SAMPLER_SHADOW_LINEAR]),
-        vec4(at, layer, depth), vec2(0.0), vec2(0.0));
+        vec4(at, layer, own), vec2(0.0), vec2(0.0));
   }
   return lit / 9.0;
 }

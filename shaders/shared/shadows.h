@@ -41,8 +41,9 @@ struct LampShadow {
   float texel_tangent;      // a texel's side
   float most_tangent;       // of a lookup's middle: from there it does not leave the tile
   float uv_per_texel;
-  float bias_m;   // of z, for what rounding does to it
-  vec3 tiles[6];  // middle in texels, and layer; -1: the camera sees nothing that lies there
+  float bias_m;       // of z, for what rounding does to it
+  uint pixel_places;  // LampKnobs::pixel_places
+  vec3 tiles[6];      // middle in texels, and layer; -1: the camera sees nothing that lies there
 };
 
 SHARED_END
@@ -50,7 +51,7 @@ SHARED_END
 #ifdef __cplusplus
 namespace candela::shared {
 static_assert(sizeof(SunCascade) == 20 && sizeof(SunShadow) == 224 && offsetof(SunShadow, cascades) == 64);
-static_assert(sizeof(LampShadow) == 140 && offsetof(LampShadow, tiles) == 68);
+static_assert(sizeof(LampShadow) == 144 && offsetof(LampShadow, tiles) == 72);
 }  // namespace candela::shared
 #else
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer SunShadowsRef { SunShadow s[]; };

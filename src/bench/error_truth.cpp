@@ -52,12 +52,14 @@ KeptFilm kept_film(const Hash128& identity, const Job& job, reference::FilmParts
   return kept;
 }
 
-void trace(Truth& truth, const ReferenceFrame& frame, const Job& job, const TruthLimits& limits,
+void trace(Truth& truth, const ReferenceFrame& frame, const Job& job, uint64_t seed, const TruthLimits& limits,
            const std::function<bool()>& stop) {
   reference::TraceSettings settings;
+  settings.sampler.seed = seed;
   settings.mode = truth.name == "path" ? reference::Mode::path : reference::Mode::direct;
   settings.visibility = truth.name != open_reference_name;
-  const std::vector<std::string> layers = reference_part_layers(!frame.world->media().empty());
+  std::vector<std::string> layers = reference_part_layers(!frame.world->media().empty());
+  layers.emplace_back("depth");
   const Hash128 identity = film_identity(job, frame, settings, {}, true);
   auto [film, file] = kept_film(identity, job, film_parts(frame, layers), limits.spp);
   const uint64_t kept = film.samples();
@@ -150,7 +152,7 @@ std::vector<std::vector<Truth>> traced_truths(const Job& job, const std::vector<
       const auto frame =
           loaded ? pose_reference(*loaded, of_view, views[v].time_s, {}, mode) : std::unexpected(loaded.error());
       if (frame)
-        trace(truth, **frame, of_view, limits, stop);
+        trace(truth, **frame, of_view, views[v].seed, limits, stop);
       else
         truth.failed = frame.error().text();
     }

@@ -26,7 +26,7 @@ std::string claimed_reference(const Job& job, const Scene& scene);
 struct Truth {
   std::string name;
   FloatImage image;
-  FloatImage divided;  // the same with the layers of error_parts.h
+  FloatImage divided;  // the same with the layers of error_parts.h, and depth
   uint64_t spp = 0;
   std::string failed;  // why there is none
 };
@@ -40,6 +40,7 @@ struct TruthLimits {
 struct TruthView {
   CameraRequest camera;
   double time_s = 0;
+  uint64_t seed = 0;  // of its samples
 };
 // The traced references of these names in each view, read from one scene. Their samples are kept in the cache folder
 // (references/*.film), by all that decides them: scene, camera, size, time, settings, and this program's own bytes.

@@ -5,7 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "base/clock.h"
 #include "base/hash.h"
+#include "job/frame_choices.h"
+#include "plan/frame_rays.h"
 #include "render/outputs.h"
 #include "scene/frame_data.h"
 #include "session/timings.h"

@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "bench/error_analysis.h"
 #include "bench/run_suite.h"
+#include "bench/stillness.h"
 #include "cli/bench_options.h"
 #include "cli/bench_stability.h"
 #include "cli/build_info.h"
@@ -382,6 +383,57 @@ nlohmann::ordered_json report_json(const ExactnessReport& report) {
           {"rows", std::move(rows)}};
 }
 
+std::string rows_text(const StillnessReport& report) {
+  Table table = {{"SCENE", "PLACE", "QUALITY", "LAYER", "SECOND", "TRUTH", "NOISE", "RATIO", "ERROR"}};
+  for (const StillnessRow& row : report.rows)
+    table.push_back({row.scene, row.what, row.quality, row.layer, fmt::format("{:.5f}", row.second),
+                     fmt::format("{:.5f}", row.truth_second), fmt::format("{:.5f}", row.truth_noise),
+                     fmt::format("{:.2f}", row.ratio()), fmt::format("{:.5f}", row.error)});
+  return table_text(table);
+}
+
+Json report_json(const StillnessReport& report, const StillnessOptions& options) {
+  Json rows = Json::array();
+  for (const StillnessRow& row : report.rows)
+    rows.push_back({{"scene", row.scene},
+                    {"place", row.what},
+                    {"quality", row.quality},
+                    {"layer", row.layer},
+                    {"pixels", row.pixels},
+                    {"second_difference", row.second},
+                    {"truth_second_difference", row.truth_second},
+                    {"truth_noise", row.truth_noise},
+                    {"ratio", row.ratio()},
+                    {"error", row.error}});
+  return {{"version", CANDELA_VERSION},
+          {"device", report.device},
+          {"driver", report.driver},
+          {"technique", options.technique},
+          {"size", {options.width_px, options.height_px}},
+          {"frames", options.frames},
+          {"step_px", options.step_px},
+          {"reference_spp", options.spp},
+          {"stopped", report.stopped},
+          {"wall_s", report.wall_s},
+          {"rows", std::move(rows)}};
+}
+
+Expected<int> run_stillness(const BenchOptions& o) {
+  const auto options = stillness_of(o);
+  if (!options) return std::unexpected(options.error());
+  if (auto ready = prepare_files(o); !ready) return std::unexpected(ready.error());
+  const HeldSignals signals;
+  const auto report = measure_stillness(*options, bench_settings(o), [&] { return signals.pending() != 0; });
+  if (!report) return std::unexpected(report.error());
+  if (report->stopped) log::warning("stopped before the end");
+  if (!o.json.empty())
+    if (auto written = write_text_output(o.json, report_json(*report, *options).dump(2) + "\n"); !written)
+      return std::unexpected(written.error());
+  if (o.json != "-")
+    if (auto printed = print(rows_text(*report)); !printed) return std::unexpected(printed.error());
+  return 0;
+}
+
 Expected<int> run_exactness(const BenchOptions& o) {
   const auto options = exactness_of(o);
   if (!options) return std::unexpected(options.error());
@@ -407,6 +459,7 @@ Expected<int> run_bench(BenchOptions o) {
   if (!o.compare.empty()) return run_compare(o);
   if (!o.from.empty()) return run_from_rows(o);
   if (o.suite == "exactness") return run_exactness(o);
+  if (o.suite == "stillness") return run_stillness(o);
   if (o.suite == "stability") return run_stability(o);
   if (o.error) return run_errors(o);
   return run_measure(o);

@@ -161,9 +161,11 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
   command.add_option("what", o.what, "Suite files (.json), scenes (.gltf, .glb), or generated scenes by name")
       ->type_name("SUITE.json|SCENE");
   command
-      .add_option("--suite", o.suite,
-                  "Built-in suite: exactness renders in all techniques and counts differing pixels; stability renders "
-                  "extreme scenes and measures them against the truth")
+      .add_option(
+          "--suite", o.suite,
+          "Built-in suite: exactness renders in all techniques and counts differing pixels; stability renders "
+          "extreme scenes and measures them against the truth; stillness measures how much pictures boil under a "
+          "slowly moving camera")
       ->type_name("NAME");
   command
       .add_option("--techniques", o.techniques,
@@ -226,7 +228,7 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
                    "With --error: go on from the rows that --json FILE holds; it is written after every row");
   command
       .add_option("--reference-spp", o.reference_spp,
-                  "With --error: samples a pixel of the traced references; 64 by default")
+                  "With --error or --suite stillness: samples a pixel of the traced references; 64 by default")
       ->transform(whole_number<uint64_t>())
       ->check(positive_number())
       ->type_name("N");
@@ -250,7 +252,8 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
       ->type_name("N");
   command
       .add_option("--only", o.only,
-                  "With --suite stability, or a suite file of it: scenes whose family/name holds one of these")
+                  "With --suite stability, or a suite file of it: scenes whose family/name holds one of these; with "
+                  "--suite stillness places whose scene does")
       ->type_name("LIST");
   command.add_option("--pictures", o.pictures, "With --suite stability: folder for a PNG and the .glb of each scene")
       ->type_name("DIR");
@@ -295,13 +298,19 @@ Expected<void> check_options(const BenchOptions& o) {
     return fail(ErrorKind::usage, o.what.front(), "--suite, --compare and --from take no suite file or scene beside");
   if (modes == 0 && o.what.empty())
     return fail(ErrorKind::usage, "SCENE", "nothing to measure; name suite files, scenes, or generated scenes");
-  static const std::vector<std::string> suites = {"exactness", "stability"};
+  static const std::vector<std::string> suites = {"exactness", "stability", "stillness"};
   if (!o.suite.empty() && std::find(suites.begin(), suites.end(), o.suite) == suites.end())
     return fail(ErrorKind::usage, "--suite", "{}; suite files are named without --suite",
                 unknown_name("built-in suite", o.suite, suites));
   if (o.count && o.suite != "exactness") return fail(ErrorKind::usage, "--count", "goes with --suite exactness");
-  if (o.suite != "stability" && (!o.only.empty() || !o.pictures.empty() || o.large))
-    return fail(ErrorKind::usage, "--only", "--only, --pictures and --large go with --suite stability");
+  if (o.suite != "stability" && (!o.pictures.empty() || o.large))
+    return fail(ErrorKind::usage, "--pictures", "--pictures and --large go with --suite stability");
+  if (o.suite != "stability" && o.suite != "stillness" && !o.only.empty())
+    return fail(ErrorKind::usage, "--only", "goes with --suite stability or stillness");
+  if (o.suite == "stillness" &&
+      !(o.lights + o.samples + o.times + o.frames + o.camera + o.sky + o.look + o.transparency + joined(o.effects))
+           .empty())
+    return fail(ErrorKind::usage, "--suite", "the places of stillness choose their own lights, times and cameras");
   if (o.suite == "stability" &&
       !(o.lights + o.sizes + o.samples + o.qualities + o.times + o.frames + o.camera + o.sky + o.look).empty())
     return fail(ErrorKind::usage, "--suite", "the scenes of stability choose their own lights, sizes and times");
@@ -310,15 +319,16 @@ Expected<void> check_options(const BenchOptions& o) {
   if (o.resume && (!o.error || o.json.empty() || o.json == "-"))
     return fail(ErrorKind::usage, "--resume", "goes with --error and --json FILE, whose rows it goes on from");
   if (!o.error && o.views) return fail(ErrorKind::usage, "--views", "goes with --error");
-  if (!o.error && (o.reference_spp || o.reference_s > 0 || o.hdr_flip != "auto"))
-    return fail(ErrorKind::usage, "--reference-spp",
-                "--reference-spp, --reference-seconds and --hdr-flip go with --error");
+  if (!o.error && o.suite != "stillness" && o.reference_spp)
+    return fail(ErrorKind::usage, "--reference-spp", "goes with --error or --suite stillness");
+  if (!o.error && (o.reference_s > 0 || o.hdr_flip != "auto"))
+    return fail(ErrorKind::usage, "--reference-seconds", "--reference-seconds and --hdr-flip go with --error");
   if (o.error && (!o.settings.empty() || !o.qualities.empty() || !o.samples.empty()))
     return fail(ErrorKind::usage, "--error",
                 "sweeps knobs, qualities and samples itself: --set, --quality and --samples do not go with it");
   if (o.no_slower_percent && o.compare.empty())
     return fail(ErrorKind::usage, "--no-slower-than", "goes with --compare OLD NEW");
-  if (!o.report.empty() && (o.suite == "exactness" || !o.compare.empty()))
+  if (!o.report.empty() && (o.suite == "exactness" || o.suite == "stillness" || !o.compare.empty()))
     return fail(ErrorKind::usage, "--report", "reports are of measurements and of --suite stability");
   if (!o.from.empty() && o.report.empty() && o.json.empty() && o.csv.empty())
     return fail(ErrorKind::usage, "--from", "goes with --report, --json or --csv");
@@ -377,6 +387,30 @@ Expected<ExactnessOptions> exactness_of(const BenchOptions& o) {
   for (SuiteTechnique& technique : suite.techniques) technique.set = suite.set;
   if (auto fine = configurations(suite); !fine) return std::unexpected(fine.error());
   options.techniques = suite.techniques;
+  return options;
+}
+
+Expected<StillnessOptions> stillness_of(const BenchOptions& o) {
+  StillnessOptions options{.places = stillness_places()};
+  Suite suite;
+  suite.scenes = {{.label = "any"}};
+  if (auto put_over = put_options(o, suite); !put_over) return std::unexpected(put_over.error());
+  if (!o.only.empty())
+    std::erase_if(options.places, [&](const StillnessPlace& place) {
+      return std::ranges::none_of(split(o.only, ','), [&](const auto& part) { return place.scene.contains(part); });
+    });
+  if (options.places.empty()) return fail(ErrorKind::usage, "--only", "no place is of such a scene");
+  if (suite.techniques.size() > 1 || suite.sizes.size() > 1)
+    return fail(ErrorKind::usage, "--suite", "stillness takes one technique and one size");
+  if (!suite.techniques.empty()) options.technique = suite.techniques.front().name;
+  if (!o.sizes.empty()) std::tie(options.width_px, options.height_px) = suite.sizes.front();
+  if (!o.qualities.empty()) options.qualities = suite.qualities;
+  if (o.reference_spp) options.spp = *o.reference_spp;
+  for (const KnobSweep& sweep : suite.set) {
+    if (sweep.values.size() != 1) return fail(ErrorKind::usage, "--set", "stillness takes one value of a knob");
+    options.settings.push_back({sweep.pass, sweep.knob, sweep.values.front()});
+  }
+  if (auto fine = configurations(suite); !fine) return std::unexpected(fine.error());
   return options;
 }
 

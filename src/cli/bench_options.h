@@ -6,6 +6,7 @@
 
 #include "bench/error_sweep.h"
 #include "bench/exactness.h"
+#include "bench/stillness.h"
 #include "bench/suite.h"
 
 namespace candela::cli {
@@ -37,6 +38,7 @@ Expected<void> check_options(const BenchOptions& options);
 // The suites named, and one of the scenes named, with the options put over what suites say.
 Expected<std::vector<Suite>> suites_of(const BenchOptions& options);
 Expected<ExactnessOptions> exactness_of(const BenchOptions& options);
+Expected<StillnessOptions> stillness_of(const BenchOptions& options);
 Expected<ErrorSweepOptions> error_sweep_of(const BenchOptions& options);
 RunSettings bench_settings(const BenchOptions& options);
 

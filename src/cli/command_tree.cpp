@@ -74,7 +74,7 @@ Names choices_of(const std::string& command, const std::string& option) {
   if (option == "--shading") return {"pbr", "blinn-phong", "lambert"};
   if (option == "--layers") return with({"all"}, layer_names());
   if (option == "--view") return view_names();
-  if (command == "bench" && option == "--suite") return {"exactness", "stability"};
+  if (command == "bench" && option == "--suite") return {"exactness", "stability", "stillness"};
   if (command == "completion" && option == "shell") return {"bash", "zsh", "fish"};
   if (command == "make-scene" && option == "name") return generated_scenes();
   return {};

@@ -229,6 +229,7 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const SurveyedFrame& frame, 
   const std::vector<LampTile> tiles = pack_lamp_tiles(sizes, room.layer_px);
   for (const Candidate& c : lamps) {
     out.shadows.push_back(lamp_shadow(c.lamp, c.size_px, room.layer_px));
+    out.shadows.back().pixel_places = uint32_t(knobs.pixel_places);
     out.lights.push_back(uint32_t(c.light));
   }
   ViewImage image;

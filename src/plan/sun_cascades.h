@@ -48,7 +48,7 @@ SunCascades fit_sun_cascades(glm::dvec3 direction, const View& view, const SunFi
 
 // Texels around a point that its lookup may read, with the offset along the normal: by how much a cascade covers less
 // than its map, and by how much rule A's square is smaller.
-inline constexpr double widest_kernel_texels = 2.5;
-inline constexpr double lookup_reach_texels = 2 * widest_kernel_texels + 1.4142135623730951 + 1;
+inline constexpr double widest_kernel_texels = 2.5, widest_pixel_texels = 6;
+inline constexpr double lookup_reach_texels = widest_kernel_texels + widest_pixel_texels + 1.4142135623730951 + 1;
 
 }  // namespace candela

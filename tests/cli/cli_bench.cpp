@@ -233,6 +233,9 @@ TEST(Bench, UsageErrorsSayWhatIsMeant) {
                                              {"spheres", "--count", "3"},
                                              {"spheres", "--suite", "exactness"},
                                              {"--suite", "exactnes"},
+                                             {"--suite", "stillness", "--lights", "4"},
+                                             {"--suite", "stillness", "--only", "no such place"},
+                                             {"--suite", "stillness", "--set", "local.samples=4,16"},
                                              {"spheres", "--times", "x"},
                                              {"spheres", "--output", "jpg"},
                                              {"--from", "x.json"}}) {
@@ -264,6 +267,30 @@ TEST(Bench, ExactnessFindsLightsThatAreLost) {
   EXPECT_EQ(ended.out.find("\n0 pixels differ"), std::string::npos);
   EXPECT_NE(ended.out.find("worst: make-scene light-field --seed 2"), std::string::npos) << ended.out;
   EXPECT_NE(ended.out.find("--technique forward-plus"), std::string::npos) << ended.out;
+}
+
+// Second differences of what arrives of a lamp's light, and how far it is from the truth.
+std::pair<double, double> stillness_of_local_shadows(const std::string& places, const std::string& json) {
+  const Ended ended = bench({"--suite", "stillness", "--only", "near-world", "--size", "96x54", "--quality", "high",
+                             "--reference-spp", "16", "--set", "local.pixel_places=" + places, "--json", json});
+  EXPECT_EQ(ended.code, 0) << ended.out << ended.err;
+  const Json report = Json::parse(bytes_of(json));
+  for (const Json& row : report["rows"])
+    if (row["layer"] == "shadow_local") {
+      EXPECT_GT(row["pixels"], 1000);
+      EXPECT_GT(row["truth_second_difference"], 0.005);
+      return {row["second_difference"], row["error"]};
+    }
+  ADD_FAILURE() << "no row of shadow_local";
+  return {};
+}
+
+TEST(Bench, StillnessFindsShadowsThatJumpFromPixelToPixel) {
+  const TestFolder folder;
+  const auto [jumps, jumps_error] = stillness_of_local_shadows("0", folder / "points.json");
+  const auto [still, still_error] = stillness_of_local_shadows("9", folder / "pixels.json");
+  EXPECT_LT(still, 0.6 * jumps);
+  EXPECT_LT(still_error, 0.8 * jumps_error);
 }
 
 }  // namespace

@@ -134,6 +134,9 @@ class Schemas(unittest.TestCase):
         self.run_program("bench", "--suite", "exactness", "--count", "1", "--techniques", "clustered,brute-force", "--json",
                          "exact.json")
         self.fits(self.read("exact.json"), "bench-exactness")
+        self.run_program("bench", "--suite", "stillness", "--only", "near-world", "--size", "16x9", "--quality", "draft",
+                         "--reference-spp", "1", "--json", "still.json")
+        self.fits(self.read("still.json"), "bench-stillness")
         self.run_program("bench", "--suite", "stability", "--only", "images/1x1,albedo above", "--techniques",
                          "clustered,visibility", "--quiet", "--json", "stable.json")
         self.fits(self.read("stable.json"), "bench-stability")

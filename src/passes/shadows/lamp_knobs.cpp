@@ -66,6 +66,16 @@ std::span<const Knob> LampKnobs::table() {
            "few pixels have fewer",
        .sweep = {256, 512, 1024, 2048},
        .required = from_maps},
+      {.name = "pixel_places",
+       .member = &LampKnobs::pixel_places,
+       .lowest = 0,
+       .highest = 1024,
+       .levels = {0, 4, 9, 64},
+       .description =
+           "where a pixel covers more of a map than texels are compared about a point: places within the pixel that "
+           "are; fewer leave edges of shadows that jump from pixel to pixel. 0: pixels are points",
+       .sweep = {0, 4, 9, 16, 64},
+       .required = from_maps},
       {.name = "draws",
        .member = &LampKnobs::draws,
        .lowest = 0,

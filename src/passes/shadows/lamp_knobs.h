@@ -19,6 +19,7 @@ struct LampKnobs {
   static constexpr int none = 0, marked_alone = -1;
   int budget_mb = 128;
   int size_px = 1024;
+  int pixel_places = 9;
   int draws = 1 << 21;
   bool traced() const { return method != maps; }  // cells keep what rays find
   static bool matter(const SceneFacts& facts);    // without point and spot lights they do nothing

@@ -129,7 +129,7 @@ void main() {
       const uint kind = light_kind(light);
       if (kind == light_directional)
         sun += reaching;
-      else if (kind == light_point)
+      else if (kind == light_point || kind == light_stand_in)
         point += reaching;
       else
         spot += reaching;

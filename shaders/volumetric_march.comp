@@ -46,7 +46,7 @@ void main() {
       LightRef light = light_at(pc.lights, w.light);
       const vec2 xy = light_word(light, 0u), z_range = light_word(light, 1u), z_type = light_word(light, 3u);
       const uint type = floatBitsToUint(z_type.y);
-      if (type == light_directional) continue;
+      if (type == light_directional || type == light_stand_in) continue;
       const vec3 to_lamp = vec3(xy, z_range.x) - position;
       const float d2 = dot(to_lamp, to_lamp), x2 = d2 * (z_range.y * z_range.y);
       if (!(x2 < 1.0) || !(d2 < 3.0e36)) continue;

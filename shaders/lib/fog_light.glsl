@@ -201,6 +201,10 @@ vec3 fog_lamp(FogSlice slice, uint maps, uint type, FogRay ray, float nearest, v
   const float d = sqrt(d2);
   const vec3 l = d > 0.0 ? towards / d : vec3(0.0, 1.0, 0.0);
   float factor = max(1.0 - x2 * x2, 0.0);
+  if (type == light_stand_in) {  // as in light_arriving()
+    const float y2 = d2 * cone.x * cone.x;
+    factor = min(y2 * y2, 1.0) - x2 * x2;
+  }
   if (type == light_spot) {
     const vec3 e = l + shines;
     const float c = clamp(cone.y - dot(e, e) * cone.x, 0.0, 1.0);

@@ -24,7 +24,13 @@ float light_arriving(LightRef light, vec3 position, out vec3 l) {
   precise vec3 along = l;
   if (d2 > 0.0) along = to_light * inversesqrt(d2);
   l = along;
-  precise float factor = max(1.0 - x2 * x2, 0.0) / max(d2, frame.least_light_distance2);
+  precise float window = max(1.0 - x2 * x2, 0.0);
+  if (type == light_stand_in) {  // less the window of its inner range, whose ones cancel
+    const float inverse = light_word(light, 4u).x;
+    precise float y2 = d2 * inverse * inverse;
+    window = min(y2 * y2, 1.0) - x2 * x2;
+  }
+  precise float factor = window / max(d2, frame.least_light_distance2);
   if (type == light_spot) {
     const vec2 angle = light_word(light, 4u);
     precise vec3 e = along + vec3(light_word(light, 2u), z_type.x);

@@ -69,8 +69,8 @@ struct Light {
   float inverse_range;  // 0: no range
   vec3 direction;       // unit, the way the light shines
   uint type;
-  float spot_scale, spot_offset;
-  vec3 intensity;  // cd or lux, times colour
+  float spot_scale, spot_offset;  // of a stand-in the first is the inverse of its inner range (plan/stand_ins.h)
+  vec3 intensity;                 // cd or lux, times colour
   uint shadow;     // 1 + its place among the frame's SunShadows, or, with lamp_shadow_bit, LampShadows; 0: no maps
   float radius_m;  // of a point or spot light's sphere; 0: a point
   float unused;
@@ -121,7 +121,7 @@ enum : uint {
   material_blinn_phong = 64u,        // Blinn's lobe instead of facets
   material_exponent_texture = 128u,  // the specular texture's A is of its exponent
 };
-enum : uint { light_directional = 0, light_point = 1, light_spot = 2 };
+enum : uint { light_directional = 0, light_point = 1, light_spot = 2, light_stand_in = 3 };
 static_assert(sizeof(Transform) == 48 && sizeof(Geometry) == 28 && sizeof(Item) == 48 && sizeof(TextureRef) == 40);
 static_assert(sizeof(Material) == 80 + 7 * 40 && offsetof(Material, base_texture) == 80);
 static_assert(sizeof(Light) == 64 && offsetof(Light, direction) == 16 && offsetof(Light, spot_scale) == 32 &&
@@ -136,7 +136,7 @@ const uint geometry_deformed = 1u;
 const uint material_masked = 1u, material_double_sided = 2u, material_unlit = 4u, material_orm_occlusion = 8u,
            material_orm_metallic_roughness = 16u, material_blended = 32u, material_blinn_phong = 64u,
            material_exponent_texture = 128u;
-const uint light_directional = 0u, light_point = 1u, light_spot = 2u;
+const uint light_directional = 0u, light_point = 1u, light_spot = 2u, light_stand_in = 3u;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer WordsRef { uint w[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer FloatsRef { float f[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TransformsRef { Transform t[]; };

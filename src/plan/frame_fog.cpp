@@ -25,7 +25,7 @@ Depths seen_depths(const Fog& fog, const View& view, const FrameData& data, doub
   const double first_slice_m = first_slice * d.farthest_m;
   d.nearest_m = first_slice_m;
   for (const LightItem& light : data.lights) {
-    if (light.type == LightType::directional) continue;
+    if (light.type == LightType::directional || light.inner_m > 0) continue;
     const double depth = glm::dot(glm::dvec3(light.position), forward);
     d.farthest_m = std::max(d.farthest_m, depth + (std::isfinite(light.range_m) ? double(light.range_m) : 0.0));
   }
@@ -136,7 +136,7 @@ shared::FogMedium frame_fog(const Look& look, const View& view, const FrameData&
 float volumetric_reach_m(const Volumetric& look, const FrameData& data) {
   double reach = 0;
   for (const LightItem& light : data.lights)
-    if (light.type != LightType::directional)
+    if (light.type != LightType::directional && !(light.inner_m > 0))
       reach = std::max(reach, double(glm::length(glm::dvec3(light.position))) + double(light.range_m));
   if (look.tau_per_m > 0) reach = std::min(reach, deepest / look.tau_per_m);
   return float(std::min(reach, farthest_of_all_m));

@@ -72,7 +72,7 @@ std::vector<Ranked> ranked_lights(const Scene& scene, const FrameData& data, con
   tbb::parallel_for(tbb::blocked_range<size_t>(0, out.size(), 1024), [&](const auto& range) {
     for (size_t i = range.begin(); i < range.end(); ++i) {
       const LightItem& light = data.lights[i];
-      if (light.type == LightType::directional) continue;
+      if (light.type == LightType::directional || light.inner_m > 0) continue;  // stand-ins have no maps
       out[i] = {marked_nodes[light.node], importance_of(light, view, planes), uint32_t(i)};
     }
   });
@@ -161,7 +161,7 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const SurveyedFrame& frame, 
   const std::set<std::string> marked(request.look.shadows.lights.begin(), request.look.shadows.lights.end());
   for (const std::string& name : marked)
     if (std::ranges::none_of(data.lights, [&](const LightItem& l) {
-          return l.type != LightType::directional && scene.nodes[l.node].name == name;
+          return l.type != LightType::directional && !(l.inner_m > 0) && scene.nodes[l.node].name == name;
         }))
       out.notes.push_back(
           fmt::format("the look marks '{}' for shadows, and no point or spot light that shines is at a "

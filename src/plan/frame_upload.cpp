@@ -54,6 +54,7 @@ LightItem brought_nearer(LightItem l) {
   l.intensity = glm::vec3(glm::dvec3(l.intensity) * (by * by));
   l.range_m = float(double(l.range_m) * by);
   l.radius_m = float(double(l.radius_m) * by);
+  l.inner_m = float(double(l.inner_m) * by);
   return l;
 }
 
@@ -66,6 +67,7 @@ shared::Light shared_light(const LightItem& given) {
   out.direction = l.direction;
   out.intensity = l.intensity;
   out.type = l.type == LightType::directional ? shared::light_directional
+             : l.inner_m > 0                  ? shared::light_stand_in
              : l.type == LightType::point     ? shared::light_point
                                               : shared::light_spot;
   out.inverse_range = inverse_range(l.range_m);
@@ -75,6 +77,7 @@ shared::Light shared_light(const LightItem& given) {
   const double scale = 1.0 / std::max(0.001, outer - inner);
   out.spot_scale = float(scale / 2);
   out.spot_offset = float(outer * scale);
+  if (l.inner_m > 0) out.spot_scale = inverse_range(l.inner_m);
   out.radius_m = l.radius_m;
   return out;
 }

@@ -3,11 +3,14 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
 #include "base/rng.h"
+#include "passes/lights/light_grid.h"
+#include "plan/stand_ins.h"
 
 namespace candela {
 namespace {
@@ -30,16 +33,16 @@ struct Point {
   glm::dvec3 position, normal;  // relative
 };
 
-// On the surfaces of what is drawn.
-std::vector<Point> points_on(const Scene& scene, const FrameData& data, size_t count) {
-  std::vector<double> ends;  // of the items' parts of all bounds' areas
+// On the surfaces of what is drawn, even by a power of the items' bounds' areas.
+std::vector<Point> points_on(const Scene& scene, const FrameData& data, size_t count, double power) {
+  std::vector<double> ends;  // of the items' parts of all
   double sum = 0;
   for (const DrawItem& item : data.items) {
     const glm::dvec3 e(item.bounds_relative.extent());
     const double area = e.x * e.y + e.y * e.z + e.z * e.x;
     const MeshSection& section = scene.meshes[item.mesh].sections[item.section];
     const bool known = section.topology == Topology::triangles && section.index.size() >= 3 && std::isfinite(area);
-    ends.push_back(sum += known ? area : 0);
+    ends.push_back(sum += known ? std::pow(area, power) : 0);
   }
   std::vector<Point> points;
   if (!(sum > 0)) return points;
@@ -73,16 +76,20 @@ struct Received {
   Received() : below(bins), inverse(bins), count(bins) {}
 };
 
-void receive(const LightItem& light, double weight, const Point& p, Received side[2]) {
-  const glm::dvec3 to_light = glm::dvec3(light.position) - p.position;
-  const double strongest = double(std::max({light.intensity.x, light.intensity.y, light.intensity.z}));
-  const double d2 = glm::dot(to_light, to_light);
-  if (!(strongest > 0) || !std::isfinite(d2) || light.type == LightType::directional) {
-    if (light.type != LightType::directional || !(strongest > 0)) return;
+// Of a light at a point, on the side that it shines on: what it gives where it is faced, for an intensity of 1, without
+// its range; and the cosine, which for spots has the cone's factor.
+struct Arrival {
+  double per_intensity = 0, distance_m = 0, weight = 0;
+  bool behind = false;
+};
+Arrival arrival(const LightItem& light, const Point& p) {
+  if (light.type == LightType::directional) {
     const double cosine = -glm::dot(glm::dvec3(light.direction), p.normal);
-    side[cosine < 0].all += strongest * std::abs(cosine);
-    return;
+    return {1, 0, std::abs(cosine), cosine < 0};
   }
+  const glm::dvec3 to_light = glm::dvec3(light.position) - p.position;
+  const double d2 = glm::dot(to_light, to_light);
+  if (!std::isfinite(d2)) return {};
   const double d = std::sqrt(std::max(d2, 1e-30));
   const glm::dvec3 l = to_light / d;
   double cone = 1;
@@ -91,12 +98,26 @@ void receive(const LightItem& light, double weight, const Point& p, Received sid
     cone = std::clamp((glm::dot(-l, glm::dvec3(light.direction)) - outer) / std::max(0.001, inner - outer), 0.0, 1.0);
     cone *= cone;
   }
-  const double cosine = glm::dot(l, p.normal), w = weight * cone * std::abs(cosine);
-  if (!(w > 0)) return;
-  Received& r = side[cosine < 0];
-  const double c = std::clamp(strongest / (d * d), edge_of(0), edge_of(bins - 1));
+  const double cosine = glm::dot(l, p.normal);
+  return {1 / (d * d), d, cone * std::abs(cosine), cosine < 0};
+}
+double strongest(const LightItem& light) {
+  return double(std::max({light.intensity.x, light.intensity.y, light.intensity.z}));
+}
+
+void receive(const LightItem& light, double weight, const Point& p, Received side[2]) {
+  const Arrival a = arrival(light, p);
+  const double w = weight * a.weight;
+  if (!(strongest(light) > 0) || !(w > 0)) return;
+  Received& r = side[a.behind];
+  const double lux = strongest(light) * a.per_intensity;
+  if (light.type == LightType::directional) {
+    r.all += lux * a.weight;  // of few
+    return;
+  }
+  const double c = std::clamp(lux, edge_of(0), edge_of(bins - 1));
   if (std::isfinite(light.range_m)) {
-    r.all += w * c * std::max(1 - std::pow(d / double(light.range_m), 4), 0.0);
+    r.all += w * c * window_of(light, a.distance_m);
     return;
   }
   const int bin = bin_of(c);
@@ -122,6 +143,58 @@ void add_losses(const Received& r, double least_lux, Losses& out) {
   }
 }
 
+// Of a side of a point, by what lights with ends and stand-ins differ from those without, by colour.
+struct Changed {
+  glm::dvec3 all{0}, lost{0};
+};
+void add_change(const LightItem& before, const LightItem* after, const Point& p, Changed side[2]) {
+  const Arrival a = arrival(after ? *after : before, p);
+  if (!(a.weight > 0)) return;
+  const glm::dvec3 lux = a.weight * a.per_intensity * glm::dvec3(before.intensity);
+  const double given = before.type == LightType::directional ? 1 : window_of(before, a.distance_m);
+  if (!after) {
+    side[a.behind].lost -= lux * given;  // a stand-in
+    return;
+  }
+  side[a.behind].all += lux * given;
+  if (after->range_m != before.range_m) side[a.behind].lost += lux * (given - window_of(*after, a.distance_m));
+}
+
+double largest(glm::dvec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+// The widest spacing of stand-ins that leaves at most `most` wrong at every point, with at most most_stand_ins a point;
+// without any such, what leaves least. False: they make nothing better than `out` is.
+bool choose_stand_ins(const std::vector<LightItem>& lights, const std::vector<Point>& points, double most,
+                      double least_lux, double most_stand_ins, LightEnd& out) {
+  constexpr double spacings[] = {1, 0.7, 0.5, 0.35, 0.25, 0.18};
+  std::vector<std::array<Changed, 2>> ended(points.size());  // by the lights' own ends, the same for all spacings
+  bool better = false;
+  for (const double spacing : spacings) {
+    std::vector<LightItem> with = lights;
+    apply_light_end(with, {.floor_lux = out.floor_lux, .spacing = spacing});
+    if (with.size() == lights.size()) return false;
+    std::vector<double> wrong(points.size()), count(points.size());
+    tbb::parallel_for(size_t(0), points.size(), [&](size_t i) {
+      if (spacing == spacings[0])
+        for (size_t l = 0; l < lights.size(); ++l) add_change(lights[l], &with[l], points[i], ended[i].data());
+      std::array<Changed, 2> sides = ended[i];
+      for (size_t l = lights.size(); l < with.size(); ++l) {
+        add_change(with[l], nullptr, points[i], sides.data());
+        count[i] += glm::distance(glm::dvec3(with[l].position), points[i].position) < double(with[l].range_m);
+      }
+      for (const Changed& side : sides)
+        wrong[i] = std::max(wrong[i], largest(side.lost) / std::max(largest(side.all), least_lux));
+    });
+    double mean_count = 0;
+    for (const double c : count) mean_count += c / double(count.size());
+    if (mean_count > most_stand_ins) break;
+    const double worst = *std::ranges::max_element(wrong);
+    if (worst < out.lost) out.lost = worst, out.spacing = spacing, better = true;
+    if (worst <= most) break;
+  }
+  return better;
+}
+
 }  // namespace
 
 LightEnd choose_light_end(const Scene& scene, const FrameData& data, double most_lost, double exposure_ev,
@@ -133,8 +206,12 @@ LightEnd choose_light_end(const Scene& scene, const FrameData& data, double most
   if (endless == 0 || !(most_lost > 0)) return {};
   const size_t count = std::clamp(most_pairs / data.lights.size(), least_points, most_points);
   const size_t stride = std::max<size_t>(data.lights.size() * count / most_pairs, 1);
-  const std::vector<Point> points = points_on(scene, data, count);
+  std::vector<Point> points = points_on(scene, data, count, 1);
   if (points.empty()) return {float(usual_lux)};
+  const size_t even = points.size();  // these say how long lists are
+  // Small things beside a large floor have points, too.
+  const std::vector<Point> of_small = points_on(scene, data, count / 2, 0.5);
+  points.insert(points.end(), of_small.begin(), of_small.end());
   const double least_lux = 0.01 * std::numbers::pi * std::exp2(-exposure_ev);
   std::vector<Losses> losses(points.size());
   tbb::parallel_for(size_t(0), points.size(), [&](size_t i) {
@@ -144,9 +221,11 @@ LightEnd choose_light_end(const Scene& scene, const FrameData& data, double most
     for (const Received& r : side) add_losses(r, least_lux, losses[i]);
   });
   Losses all;
-  for (const Losses& one : losses)
-    for (size_t b = 0; b < bins; ++b)
-      all.lost[b] = std::max(all.lost[b], one.lost[b]), all.lights[b] += one.lights[b] / double(points.size());
+  for (size_t i = 0; i < points.size(); ++i)
+    for (size_t b = 0; b < bins; ++b) {
+      all.lost[b] = std::max(all.lost[b], losses[i].lost[b]);
+      if (i < even) all.lights[b] += losses[i].lights[b] / double(even);
+    }
   int chosen = bins - 1;
   while (chosen > 0 && all.lost[size_t(chosen)] > care * most_lost) --chosen;
   const double most_lights = std::max(1.5 * all.lights[size_t(bin_of(usual_lux))], least_lights(most_lost));
@@ -154,7 +233,14 @@ LightEnd choose_light_end(const Scene& scene, const FrameData& data, double most
   while (fitting + 1 < bins && all.lights[size_t(fitting)] > most_lights) ++fitting;
   LightEnd out{float(edge_of(fitting)), all.lost[size_t(fitting)], fitting != chosen};
   out.held &= out.lost > most_lost;
+  if (out.held && choose_stand_ins(data.lights, points, care * most_lost, least_lux, 2 * most_lights, out))
+    out.held = out.lost > most_lost;
   return out;
+}
+
+size_t apply_light_end(std::vector<LightItem>& lights, const LightEnd& end) {
+  const size_t shared = end.spacing > 0 ? end_with_stand_ins(lights, end.floor_lux, end.spacing) : 0;
+  return shared + apply_light_floor(lights, end.floor_lux);
 }
 
 }  // namespace candela

@@ -1,7 +1,6 @@
 #include "plan/survey_frame.h"
 
 #include "base/log.h"
-#include "passes/lights/light_grid.h"
 #include "passes/occlusion/occlusion.h"
 #include "passes/shared/light_knobs.h"
 #include "passes/surfaces/refraction.h"
@@ -52,21 +51,27 @@ void end_lights(const LightRangeKnobs& knobs, const Scene& scene, SurveyedFrame&
   // What lights ended at before their loss was known (docs/decisions.md).
   constexpr double usual_lux = 0.01;
   if (by_loss) end = choose_light_end(scene, f.data, double(knobs.lost), double(f.request.exposure_ev), usual_lux);
-  const uint32_t bounded = apply_light_floor(f.data.lights, end.floor_lux);
+  const size_t lamps = f.data.lights.size();
+  const size_t bounded = apply_light_end(f.data.lights, end), stand_ins = f.data.lights.size() - lamps;
   if (bounded == 0) return;
-  const std::string lights =
+  std::string said =
       fmt::format("{} light{} without range end{} where {} would give less than {:.3g} lux", bounded,
                   bounded == 1 ? "" : "s", bounded == 1 ? "s" : "", bounded == 1 ? "it" : "they", end.floor_lux);
-  if (!by_loss)
-    f.notes.push_back(lights + " (lights.floor_lux; 0 for none)");
-  else if (!end.held)
+  if (!by_loss) {
+    f.notes.push_back(said + " (lights.floor_lux; 0 for none)");
+    return;
+  }
+  if (stand_ins > 0)
+    said += fmt::format(", with {} stand-in{} for what lies beyond", stand_ins, stand_ins == 1 ? "" : "s");
+  const char* does = stand_ins > 0 ? "are off by" : "lose";
+  if (!end.held)
     f.notes.push_back(
-        fmt::format("{}: surfaces lose at most {:.2g} % of their light (lights.lost)", lights, 100 * end.lost));
+        fmt::format("{}: surfaces {} at most {:.2g} % of their light (lights.lost)", said, does, 100 * end.lost));
   else
     f.notes.push_back(
-        fmt::format("{}: surfaces lose up to {:.2g} % of their light, more than lights.lost allows, for "
+        fmt::format("{}: surfaces {} up to {:.2g} % of their light, more than lights.lost allows, for "
                     "lists would grow too long (lights.floor_lux=0 for none)",
-                    lights, 100 * end.lost));
+                    said, does, 100 * end.lost));
 }
 
 }  // namespace

@@ -41,6 +41,9 @@ struct LightItem {  // a light in relative space
   float inner_cone_rad, outer_cone_rad;
   uint32_t node = 0;
   float radius_m = 0;  // of a point or spot light's sphere; 0: a point
+  // Not 0: it stands for lights that end, and gives what they no longer do: by the range's window, less that of a range
+  // of inner_m (plan/stand_ins.h).
+  float inner_m = 0;
 };
 
 // The light instances of a node, which a compute pass poses; in the frame's list they stand together.

@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "base/rng.h"
-#include "passes/lights/light_grid.h"
 #include "plan/choose_sides.h"
+#include "plan/stand_ins.h"
 #include "scene_pieces.h"
 
 namespace candela::frame_light_end {
@@ -39,38 +39,47 @@ Lit floor_under(int lamps, double candela) {
   }
   return lit;
 }
-// Of what arrives at a point of the floor, the fraction that is lost, over the larger of it and least_lux.
-double lost_at(const std::vector<LightItem>& lights, glm::dvec3 at, double least_lux) {
-  double all = 0, kept = 0;
-  for (const LightItem& l : lights) {
-    const glm::dvec3 to = glm::dvec3(l.position) - at;
-    const double d2 = glm::dot(to, to), lux = double(l.intensity.x) / d2 * to.z / std::sqrt(d2);
-    all += lux;
-    const double x2 = d2 / (double(l.range_m) * double(l.range_m));
-    kept += lux * std::max(1 - x2 * x2, 0.0);
-  }
-  return (all - kept) / std::max(all, least_lux);
+// Of what arrives at a point of the floor, the part that is off, over the larger of it and least_lux. ended: first the
+// lights, which have ends, then stand-ins.
+double off_at(const std::vector<LightItem>& lights, const std::vector<LightItem>& ended, glm::dvec3 at,
+              double least_lux) {
+  const auto sum = [&](const std::vector<LightItem>& of) {
+    double lux = 0;
+    for (const LightItem& l : of) {
+      const glm::dvec3 to = glm::dvec3(l.position) - at;
+      const double d2 = glm::dot(to, to);
+      lux += double(l.intensity.x) / d2 * to.z / std::sqrt(d2) * window_of(l, std::sqrt(d2));
+    }
+    return lux;
+  };
+  const double all = sum(lights);
+  return std::abs(all - sum(ended)) / std::max(all, least_lux);
 }
 
 }  // namespace
 
-// At points that did not choose the end: of one lamp, of few and of many dim ones, as far as lists may grow.
+// At points that did not choose the end: of one lamp, of few and of many dim ones, of which stand-ins give the rest.
 TEST(LightEnd, LosesNoMoreThanItIsAskedFor) {
-  for (const auto& [lamps, candela] : {std::pair(1, 100.0), {1, 0.01}, {16, 5.0}, {100, 0.05}, {500, 0.02}})
+  for (const auto& [lamps, candela] :
+       {std::pair(1, 100.0), {1, 0.01}, {16, 5.0}, {100, 0.05}, {500, 0.02}, {2000, 0.05}, {8000, 0.05}})
     for (const double most : {0.05, 0.02, 0.005}) {
-      Lit lit = floor_under(lamps, candela);
+      const Lit lit = floor_under(lamps, candela);
       const LightEnd end = choose_light_end(lit.scene, lit.data, most, 0, 0.01);
       EXPECT_GT(end.floor_lux, 0);
-      EXPECT_EQ(apply_light_floor(lit.data.lights, end.floor_lux), uint32_t(lamps));
+      std::vector<LightItem> ended = lit.data.lights;
+      EXPECT_EQ(apply_light_end(ended, end), size_t(lamps));
+      EXPECT_EQ(ended.size() > size_t(lamps), end.spacing > 0);
       Rng rng(77);
-      double worst = 0;
-      for (int i = 0; i < 1000; ++i)
-        worst = std::max(
-            worst, lost_at(lit.data.lights, {rng.uniform(-10, 10), rng.uniform(-10, 10), 0}, 0.01 * std::numbers::pi));
-      if (!end.held)
-        EXPECT_LE(worst, most) << lamps << " of " << candela;
-      else
-        EXPECT_GT(end.lost, most);
+      double worst = 0, walked = 0;
+      for (int i = 0; i < 1000; ++i) {
+        const glm::dvec3 at{rng.uniform(-10, 10), rng.uniform(-10, 10), 0};
+        worst = std::max(worst, off_at(lit.data.lights, ended, at, 0.01 * std::numbers::pi));
+        for (const LightItem& l : ended)
+          walked += glm::distance(glm::dvec3(l.position), at) < double(l.range_m) ? 1.0 / 1000 : 0.0;
+      }
+      if (lamps >= 2000) EXPECT_LT(walked, 0.6 * lamps);
+      EXPECT_FALSE(end.held);
+      EXPECT_LE(worst, most) << lamps << " of " << candela;
       EXPECT_LE(worst, 1.3 * end.lost + 0.5 * most) << lamps << " of " << candela;
     }
 }
@@ -82,6 +91,67 @@ TEST(LightEnd, IsNoneWithoutLightsOrWithoutALoss) {
   // Under a brighter exposure darker places count.
   EXPECT_LE(choose_light_end(lit.scene, lit.data, 0.01, 8, 0.01).floor_lux,
             choose_light_end(lit.scene, lit.data, 0.01, 0, 0.01).floor_lux);
+}
+
+// A lamp and what stands in for it give together what the lamp gave, at any distance.
+TEST(StandIns, GiveWhatLightsNoLongerDo) {
+  Lit lit = floor_under(0, 1);
+  for (const float candela : {1e-12f, 1.0f, 3.0f, 1e12f}) {
+    LightItem lamp{};
+    lamp.type = LightType::point, lamp.intensity = {candela, 0.5f * candela, 0}, lamp.position = {1, 2, 3};
+    lamp.range_m = std::numeric_limits<float>::infinity();
+    lit.data.lights.push_back(lamp);
+  }
+  const std::vector<LightItem> before = lit.data.lights;
+  std::vector<LightItem> after = before;
+  EXPECT_EQ(end_with_stand_ins(after, 0.01f, 0.5), before.size());
+  ASSERT_GT(after.size(), before.size());
+  for (const double distance : {1e-3, 0.3, 1.0, 7.0, 1e3, 1e6, 1e12}) {
+    glm::dvec3 sum(0), all(0);
+    for (const LightItem& l : before) all += glm::dvec3(l.intensity);
+    for (const LightItem& l : after) {
+      EXPECT_EQ(l.position, before[0].position);
+      EXPECT_GE(window_of(l, distance), 0);
+      sum += glm::dvec3(l.intensity) * window_of(l, distance);
+    }
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], all[c], 1e-6 * all[c]) << distance;
+  }
+}
+
+// They keep all intensity of a colour, lie among what they stand for, and move with it; other lights are left alone.
+TEST(StandIns, StandAmidTheirLights) {
+  Lit lit = floor_under(3000, 0.01);
+  LightItem& sun = lit.data.lights[7];
+  sun.type = LightType::directional;
+  LightItem& spot = lit.data.lights[8];
+  spot.type = LightType::spot;
+  lit.data.lights[9].range_m = 2;
+  lit.data.lights[10].position.x = std::numeric_limits<float>::infinity();
+  const std::vector<LightItem> before = lit.data.lights;
+  std::vector<LightItem> after = before, again = before, moved = before;
+  EXPECT_EQ(end_with_stand_ins(after, 0.01f, 0.5), before.size() - 4);
+  for (const size_t other : {7u, 8u, 9u, 10u}) EXPECT_EQ(after[other].range_m, before[other].range_m);
+  const double inner = double(after[0].range_m);
+  double first = 0, last = 0;
+  for (size_t i = before.size(); i < after.size(); ++i) {
+    EXPECT_GT(after[i].inner_m, 0);
+    EXPECT_LE(std::abs(after[i].position.x), 10);
+    EXPECT_GE(after[i].position.z, 0.5f);
+    EXPECT_LE(after[i].position.z, 1.5f);
+    if (double(after[i].inner_m) == inner) first += double(after[i].intensity.x);
+    if (std::isinf(after[i].range_m)) last += double(after[i].intensity.x);
+  }
+  EXPECT_NEAR(first, 0.01 * double(before.size() - 4), 1e-3);
+  EXPECT_NEAR(last, first, 1e-3);
+  end_with_stand_ins(again, 0.01f, 0.5);
+  for (LightItem& l : moved) l.position += glm::vec3(64, -32, 16);
+  end_with_stand_ins(moved, 0.01f, 0.5);
+  ASSERT_EQ(again.size(), after.size());
+  ASSERT_EQ(moved.size(), after.size());
+  for (size_t i = before.size(); i < after.size(); ++i) {
+    EXPECT_EQ(again[i].position, after[i].position);
+    EXPECT_LT(glm::distance(moved[i].position - glm::vec3(64, -32, 16), after[i].position), 1e-4f);
+  }
 }
 
 // A wall that is seen from behind is looked through, and one from the front or of two sides is not.

@@ -108,7 +108,7 @@ std::span<const Knob> LightRangeKnobs::table() {
        .levels = {0.05, 0.02, 0.005, 0},
        .description =
            "lights without range end where no surface loses more of its light than this, or of a hundredth of "
-           "what is white; 0: nowhere, so that every pixel walks them",
+           "what is white; of very many, stand-ins give what lies beyond; 0: nowhere, so that every pixel walks them",
        .sweep = {0.05, 0.02, 0.005, 0}},
       {.name = "floor_lux",
        .member = &LightRangeKnobs::floor_lux,

@@ -41,12 +41,12 @@ double median_light(const TruePicture& truth) {
 
 }  // namespace
 
-Expected<TruePicture> traced_picture(const Job& job, double time_s, double reach_px) {
+Expected<TruePicture> traced_picture(const Job& job, double time_s, double reach_px, int blocked_samples) {
   const auto frame = open_reference(job, time_s, {});
   if (!frame) return std::unexpected(frame.error());
   reference::TraceSettings settings;
-  settings.visibility = false;
-  settings.ambient = reference::Ambient::occlusion;
+  if (blocked_samples == 0) settings.visibility = false, settings.ambient = reference::Ambient::occlusion;
+  const int samples = std::max(blocked_samples, 1);
   const auto integrator_of = [&](double lifted) {
     settings.lifted = lifted;
     return reference::Integrator(*(*frame)->world, settings, job.width_px, job.height_px);
@@ -58,9 +58,13 @@ Expected<TruePicture> traced_picture(const Job& job, double time_s, double reach
   truth.centre.resize(count), truth.low.resize(count), truth.high.resize(count);
   tbb::parallel_for(size_t(0), count, [&](size_t i) {
     const glm::dvec2 centre(double(i % size_t(job.width_px)) + 0.5, double(i / size_t(job.width_px)) + 0.5);
-    const auto value_at = [](const reference::Integrator& of, glm::dvec2 place) {
-      const reference::PixelSample sample = of.sample_at(place, 0);
-      return glm::dvec4(sample.radiance, sample.alpha);
+    const auto value_at = [samples](const reference::Integrator& of, glm::dvec2 place) {
+      glm::dvec4 sum(0);
+      for (int n = 0; n < samples; ++n) {
+        const reference::PixelSample sample = of.sample_at(place, uint64_t(n));
+        sum += glm::dvec4(sample.radiance, sample.alpha);
+      }
+      return sum / double(samples);
     };
     const glm::dvec4 value = value_at(integrator, centre);
     truth.centre[i] = truth.low[i] = truth.high[i] = value;
@@ -105,10 +109,11 @@ TruePicture picture_truth(const Beauty& beauty, double pre_exposure) {
   return truth;
 }
 
-TruthError picture_error(const Beauty& beauty, double pre_exposure, const TruePicture& truth, double bound) {
+TruthError picture_error(const Beauty& beauty, double pre_exposure, const TruePicture& truth, double bound,
+                         double least_light) {
   CHECK(beauty.width_px == truth.width_px && beauty.height_px == truth.height_px);
   TruthError error;
-  const double floor = 0.01 * median_light(truth);
+  const double floor = std::max(0.01 * median_light(truth), least_light);
   double sum = 0, true_sum = 0, within = 0, low_sum = 0, high_sum = 0;
   for (size_t i = 0; i < truth.centre.size(); ++i) {
     const glm::dvec4 v = pixel_of(beauty, pre_exposure, i);

@@ -19,8 +19,9 @@ struct TruePicture {
   int width_px = 0, height_px = 0;
   std::vector<glm::dvec4> centre, low, high;  // linear, premultiplied, without exposure
 };
-// By the reference ray tracer: direct light without shadows and the ambient term as the techniques have it.
-Expected<TruePicture> traced_picture(const Job& job, double time_s, double reach_px);
+// By the reference ray tracer: direct light without shadows and the ambient term as the techniques have it; or, of more
+// than 0 samples, their mean with all that stands in the light's way.
+Expected<TruePicture> traced_picture(const Job& job, double time_s, double reach_px, int blocked_samples = 0);
 // Pixels of the path tracer that are not finite, at a few samples each.
 Expected<uint64_t> nonfinite_paths(const Job& job, double time_s);
 // Another picture's own pixels.
@@ -28,7 +29,7 @@ TruePicture picture_truth(const Beauty& beauty, double pre_exposure);
 
 struct TruthError {
   double max_relative =
-      0;  // of the worst pixel, against its own value or a hundredth of the picture's median, whichever is larger
+      0;  // of the worst pixel, against the largest of its own value, a hundredth of the picture's median, least_light
   uint64_t beyond = 0;  // pixels above the bound
   int worst_x = 0, worst_y = 0;
   double energy = 0;  // sum over the picture against the truth's, minus 1
@@ -36,7 +37,8 @@ struct TruthError {
   // of the truth's sum; pixels beyond are counted, and not finite ones are faults by themselves.
   double energy_beyond = 0;
 };
-TruthError picture_error(const Beauty& beauty, double pre_exposure, const TruePicture& truth, double bound);
+TruthError picture_error(const Beauty& beauty, double pre_exposure, const TruePicture& truth, double bound,
+                         double least_light = 0);
 
 struct PixelCounts {
   uint64_t nonfinite = 0;  // pixels

@@ -31,9 +31,13 @@ struct StabilityScene {
   double time_s = 0, plain_time_s = 0;
   std::string effects = "none";  // of the scene and of the plain one; the reference knows none
   bool reference = true;
+  // Samples of each of the reference's places, with what stands in the light's way; 0: one, without, as techniques are
+  // without effects. The sky's light needs many.
+  int blocked_samples = 0;
   bool paths = false;          // light goes through surfaces: paths must be finite too, and refraction may brighten
   double bound = 1e-3;         // relative error that a pixel may have against the reference
   double plain_bound = 1e-5;   // and against the plain scene
+  double least_light = 0;      // radiance below which a pixel's error counts against it, if it is above that hundredth
   double energy_bound = 1e-3;  // relative error of the sum over all pixels
   double stray_fraction = 0;   // pixels that may lie beyond the bound: edges, where a point is in or out by rounding
   bool refused = false;        // no picture but an error that says why

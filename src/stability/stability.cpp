@@ -135,7 +135,7 @@ void StabilityRun::measure(const StabilityScene& scene, const Shot& shot, const 
   row.may_be_beyond = uint64_t(std::ceil(scene.stray_fraction * double(row.pixels)));
   row.bound = scene.bound, row.plain_bound = scene.plain_bound, row.energy_bound = scene.energy_bound;
   const auto against = [&](const TruePicture& truth, const char* name, double bound, double& largest) {
-    const TruthError e = picture_error(shot.beauty, shot.pre_exposure, truth, bound);
+    const TruthError e = picture_error(shot.beauty, shot.pre_exposure, truth, bound, scene.least_light);
     row.truth += (row.truth.empty() ? "" : " and ") + std::string(name);
     largest = e.max_relative;
     row.beyond = std::max(row.beyond, e.beyond);
@@ -327,7 +327,8 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
       continue;
     }
     if (scene.reference && !scene.refused && !traced) {
-      auto picture = traced_picture(job, scene.time_s, std::ldexp(1.0, -int(renderer_->device().subpixel_bits)));
+      auto picture = traced_picture(job, scene.time_s, std::ldexp(1.0, -int(renderer_->device().subpixel_bits)),
+                                    scene.blocked_samples);
       if (picture)
         traced = std::move(*picture);
       else

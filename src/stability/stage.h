@@ -26,6 +26,10 @@ void add_display(Recipes& all);
 void add_images(Recipes& all, const std::vector<std::pair<int, int>>& sizes);
 void add_fog(Recipes& all);
 void add_skies(Recipes& all);
+void add_sides(Recipes& all);
+void add_occlusion(Recipes& all);
+void add_far_lights(Recipes& all);
+void add_lobes_under_skies(Recipes& all);
 
 using std::numbers::pi;
 

@@ -136,6 +136,10 @@ std::vector<StabilityRecipe> stability_recipes(const std::vector<std::pair<int, 
   stability::add_images(all, sizes);
   stability::add_fog(all);
   stability::add_skies(all);
+  stability::add_sides(all);
+  stability::add_occlusion(all);
+  stability::add_far_lights(all);
+  stability::add_lobes_under_skies(all);
   return all;
 }
 

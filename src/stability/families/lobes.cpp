@@ -196,4 +196,48 @@ void add_lobes(Recipes& all) {
            all_of({coat(0), sheen(0), film(1e6, 1e9), stretched(3), passing(1)}));
 }
 
+namespace {
+
+// Under a sky that is bright on one side, alone: the light of stretched facets by directions of each pixel
+// (ibl.stretched) against the reference's samples.
+void add_under_sky(Recipes& all, std::string name, std::string what, const Shape& shape, double roughness,
+                   double strength, int directions, float bright, double energy_bound) {
+  all.push_back({"lobes", std::move(name) + " under a sky", std::move(what), [=](StabilityInput&) {
+                   GlbWriter out;
+                   out.use_extension("KHR_materials_anisotropy");
+                   json lobes = stretched(0.5);
+                   lobes["anisotropy"]["anisotropyStrength"] = strength;
+                   place(out, shape, with_lobes(lit({0.9, 0.7, 0.5}, 1, roughness), lobes), {0, 0, 0});
+                   camera(out, {0, 0, 4}, {0, 0, 0}, 0.6);
+                   StabilityScene scene = scene_of(out);
+                   scene.job.width_px = 32, scene.job.height_px = 24;
+                   scene.sky = sky_image(64, 32, [=](int x, int y) {
+                     const bool lamp = y >= 8 && y < 16 && x >= 20 && x < 32;
+                     return glm::vec3(1, 0.9f, 0.8f) * (lamp ? bright : 0.5f + 0.01f * float(y));
+                   });
+                   scene.effects = "ibl";
+                   scene.job.settings.push_back({"ibl", "stretched", std::to_string(directions)});
+                   scene.blocked_samples = 64;
+                   // Both have noise or steps: their sum is judged, and that no pixel leaves what the sky has.
+                   scene.bound = double(bright) / 0.5, scene.energy_bound = energy_bound;
+                   scene.most = 1.02 * double(bright);
+                   return scene;
+                 }});
+}
+
+}  // namespace
+
+void add_lobes_under_skies(Recipes& all) {
+  const Shape ball = with_tangents(sphere(1, 64, 48));
+  for (const int directions : {1, 48})
+    for (const double roughness : {0.0, 0.1, 1.0})
+      add_under_sky(all, fmt::format("stretched by 1, roughness {:g}, {} directions", roughness, directions), "", ball,
+                    roughness, 1, directions, 20, directions == 1 ? 0.5 : 0.05);
+  add_under_sky(all, "stretched by 1e-6, roughness 0.5", "next to round", ball, 0.5, 1e-6, 48, 20, 0.05);
+  add_under_sky(all, "stretched by 1, roughness 0, a lamp of 1e6", "", ball, 0, 1, 48, 1e6f, 0.1);
+  Shape along = sphere(1, 64, 48);
+  for (const glm::dvec3& n : along.normal) along.tangent.push_back(glm::dvec4(n, 1));
+  add_under_sky(all, "stretched by tangents along the normal", "no direction", along, 0.3, 1, 48, 20, 0.1);
+}
+
 }  // namespace candela::stability

@@ -99,6 +99,20 @@ TEST_F(LobesOfSky, ComeNearTheSumOverTheSky) {
   }
 }
 
+// With more directions a pixel stretched metal comes nearer to the sum over the sky, and its exact end is there.
+TEST_F(LobesOfSky, StretchedMetalTendsToTheSum) {
+  const Texels sky = sunny();
+  const LobeOfSky& lobe = *std::ranges::find(lobes(), std::string_view("anisotropy"), &LobeOfSky::name);
+  double before = 1;
+  for (const auto& [directions, most] : {std::pair("1", 0.04), {"8", 0.003}, {"64", 3e-4}, {"1024", 1e-4}}) {
+    const double now = error(lobe, sky, {{"ibl", "method", "lobe"}, {"ibl", "stretched", directions}});
+    fmt::print("{} directions: relMSE {:.5f}\n", directions, now);
+    EXPECT_LT(now, most) << directions;
+    EXPECT_LT(now, 0.7 * before) << directions;
+    before = now;
+  }
+}
+
 // Every shader that shades surfaces, with every lobe and its textures: terms, layers, fog, reflections, probes, rays,
 // supersampling. What is beside beauty changes none of it, and its terms sum to it.
 TEST_F(LobesInFrames, EveryShaderDrawsThem) {

@@ -79,6 +79,13 @@ void main() {
   const vec3 plane_normal = in_plane ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
   const vec3 surface_point = in_plane ? onto_triangle(v.relative_position, plane_normal, in_plane_position)
                                       : v.relative_position;
+#ifdef DEEP_SHADOWS
+#if defined(REFRACTION) || defined(GLASS)
+  own_absorbance = full_absorbance;
+#else
+  own_absorbance = absorbance_of(min(coverage, DEEP_SOLID));
+#endif
+#endif
   begin_rays(surface_point, plane_normal);
   BrdfTerms brdf;
   if (IS_UNLIT == 0) brdf = brdf_terms(s, to_viewer);

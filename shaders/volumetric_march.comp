@@ -15,6 +15,9 @@ layout(constant_id = 0) const int DEPTH_SAMPLES = 0;
 #ifdef LAMP_SHADOWS
 #include "lib/fog_lamp_shadow.glsl"
 #endif
+#ifdef FOG_DEEP_SHADOWS
+#include "lib/deep_light.glsl"
+#endif
 layout(local_size_x = 8, local_size_y = 8) in;
 
 // (k + 1/2)/n^2 of a Bayer matrix n texels wide: what is next to each other begins far from each other.
@@ -62,9 +65,14 @@ void main() {
       factor *= pc.formula == volumetric_extinction ? pc.tau : window;
       factor *= exp(-min(pc.tau * d, FOG_OPAQUE)) * henyey_greenstein(dot(l, ray.direction), pc.anisotropy);
       if (!(factor > 0.0)) continue;
+      vec3 intensity = light_intensity(light);
 #ifdef LAMP_SHADOWS
-      factor *= fog_lamp_visibility(fog_lamp_maps(light), position);
+      const uint maps = fog_lamp_maps(light);
+      factor *= fog_lamp_visibility(maps, position);
       if (!(factor > 0.0)) continue;
+#ifdef FOG_DEEP_SHADOWS
+      if (maps != no_light) intensity *= deep_lamp(maps, position, vec3(0.0), 0.0);
+#endif
 #endif
       // The inverse square as its mean over the step: an angle over the lamp's distance from the ray.
       const float along = dot(to_lamp, ray.direction);  // the lamp lies this far on from the point
@@ -72,7 +80,7 @@ void main() {
       const float h2 = max(dot(aside, aside), frame.least_light_distance2), h = sqrt(h2);
       const float a = begin - at - along, b = a + wide;
       const float mean = wide * h > 1e-30 ? atan(wide * h, h2 + a * b) / (h * wide) : 1.0 / (h2 + along * along);
-      sum += light_intensity(light) * (factor * mean * arrives);
+      sum += intensity * (factor * mean * arrives);
     }
   }
   if (any(greaterThanEqual(gl_GlobalInvocationID.xy, pc.texels))) return;

@@ -21,6 +21,9 @@
 #ifdef FOG_LAMP_SHADOWS
 #include "lib/fog_lamp_shadow.glsl"
 #endif
+#ifdef FOG_DEEP_SHADOWS
+#include "lib/deep_light.glsl"
+#endif
 
 // Slices that one walk through the lists serves: a light's words are loaded once for all of them.
 #ifndef FOG_RUN
@@ -151,20 +154,24 @@ bool next_fog_light(inout FogWalk w) {
 
 #ifdef FOG_SUN
 // Of a point in the air: no surface has to be cleared, and what lies between slices is smoothed by the grid.
-float fog_sun_visibility(LightRef light, vec3 position) {
+vec3 fog_sun_visibility(LightRef light, vec3 position) {
   const uint named = floatBitsToUint(light_word(light, 6u).y);
-  if (named == 0u) return 1.0;
+  if (named == 0u) return vec3(1.0);
   // Valid in all lanes, also those of lamps: light_visibility in lib/light_shadow.glsl.
   const uint sun = (named & lamp_shadow_bit) != 0u ? 0u : max(named, 1u) - 1u;
   const CascadePlace place = find_cascade(sun, position);
-  if (place.number == max_sun_cascades) return 1.0;
+  if (place.number == max_sun_cascades) return vec3(1.0);
   SunShadowsRef suns = SunShadowsRef(pc.suns);
   const vec2 across = vec2(dot(suns.s[sun].right, position), dot(suns.s[sun].up, position)) - place.cascade.centre_m;
   const float depth = dot(suns.s[sun].depth, vec4(position, 1.0)) + suns.s[sun].bias;
   const vec2 uv = vec2(0.5) + vec2(across.x, -across.y) * (0.5 / place.cascade.half_m);
-  return textureGrad(
+  vec3 left = vec3(textureGrad(
       sampler2DArrayShadow(pass_array_images[pc.sun_maps], graph_shadow_samplers[SAMPLER_SHADOW_LINEAR]),
-      vec4(uv, float(suns.s[sun].first_layer + place.number), depth), vec2(0.0), vec2(0.0));
+      vec4(uv, float(suns.s[sun].first_layer + place.number), depth), vec2(0.0), vec2(0.0)));
+#if defined(FOG_DEEP_SHADOWS) && (FOG_DEEP_SHADOWS & 1) != 0
+  if (left.x > 0.0) left *= deep_sun(sun, position, vec3(0.0), 0.0);
+#endif
+  return left;
 }
 #endif
 
@@ -215,6 +222,11 @@ vec3 fog_lamp(FogSlice slice, uint maps, uint type, FogRay ray, float nearest, v
 #ifdef FOG_LAMP_SHADOWS
   factor *= fog_lamp_visibility(maps, at);
   if (factor == 0.0) return vec3(0.0);
+#endif
+#if defined(FOG_DEEP_SHADOWS) && (FOG_DEEP_SHADOWS & 2) != 0
+  vec3 left = vec3(factor);
+  if (maps != no_light) left *= deep_lamp(maps, at, vec3(0.0), 0.0);
+  return left * fog_phase(slice, dot(l, ray.direction)) * fog_through(at, l, d);
 #endif
   return factor * fog_phase(slice, dot(l, ray.direction)) * fog_through(at, l, d);
 }

@@ -20,6 +20,25 @@ float shadow_turn() {
 #include "lib/shadow_color.glsl"
 #endif
 
+#ifdef DEEP_SHADOWS
+#include "lib/deep_light.glsl"
+float own_absorbance = 0.0;  // of the surface that is shaded; a shader of blended surfaces sets it
+
+vec3 deep_shadow(LightRef light, vec3 position, vec3 normal) {
+  const uint shadow = floatBitsToUint(light_word(light, 6u).y);
+  if (shadow == 0u) return vec3(1.0);
+  const bool is_lamp = (shadow & lamp_shadow_bit) != 0u;
+  const uint place = max(shadow & ~lamp_shadow_bit, 1u) - 1u;  // valid in all lanes, as in light_visibility
+#if (DEEP_SHADOWS & 2) != 0
+  if (is_lamp) return deep_lamp(place, position, normal, own_absorbance);
+#endif
+#if (DEEP_SHADOWS & 1) != 0
+  if (!is_lamp) return deep_sun(place, position, normal, own_absorbance);
+#endif
+  return vec3(1.0);
+}
+#endif
+
 // 1 for lights without a map. Traced lights: of the point that begin_rays was called for. Of lights with a size the
 // part that is seen. number: the light's, for its own places on it.
 float light_visibility(LightRef light, uint number, vec3 position, vec3 normal) {
@@ -74,6 +93,9 @@ vec3 light_reaching(LightRef light, uint number, BrdfTerms brdf, vec3 position, 
   if (HAS_SHADOWS && reaching != vec3(0.0)) reaching *= light_visibility(light, number, surface_point, plane_normal);
 #ifdef COLORED_SHADOWS
   if (reaching != vec3(0.0)) reaching *= shadow_color(light, surface_point);
+#endif
+#ifdef DEEP_SHADOWS
+  if (reaching != vec3(0.0)) reaching *= deep_shadow(light, surface_point, plane_normal);
 #endif
   return reaching;
 }

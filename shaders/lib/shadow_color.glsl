@@ -22,7 +22,7 @@ vec3 sun_shadow_color(uint sun, vec3 position) {
   const vec2 across =
       vec2(dot(suns.s[sun].right, position), dot(suns.s[sun].up, position)) - place.cascade.centre_m;
   const vec2 uv = vec2(0.5) + vec2(across.x, -across.y) * (0.5 / place.cascade.half_m);
-  return shadow_color_at(pc.shadow_colors & 0xffffu, uv, float(suns.s[sun].first_layer + place.number));
+  return shadow_color_at(pc.shadow_colors & 0xffu, uv, float(suns.s[sun].first_layer + place.number));
 }
 #endif
 
@@ -34,7 +34,7 @@ vec3 lamp_shadow_color(uint lamp, vec3 position) {
   if (!(side.z > lamp_near_m) || side.tile.z < 0.0) return vec3(1.0);
   const float most = lamps.s[lamp].most_tangent;
   const vec2 tangent = clamp(vec2(dot(side.right, q), -dot(side.up, q)) / side.z, vec2(-most), vec2(most));
-  return shadow_color_at(pc.shadow_colors >> 16u,
+  return shadow_color_at(pc.shadow_colors >> 16u & 0xffu,
       (side.tile.xy + tangent / lamps.s[lamp].texel_tangent) * lamps.s[lamp].uv_per_texel, side.tile.z);
 }
 #endif

@@ -18,7 +18,7 @@ struct DrawPush {  // every pass that draws the scene
   uint64_t table;            // what this pass alone reads: ids of mattes, a Motion, ...
   uint64_t deformed_before;  // deformed vertices of the time before, where there is a Motion
   uint own;                  // what this pass alone reads
-  uint shadow_colors;        // places of the images of the suns' coloured shadows and, 16 bits up, of the lamps'
+  uint shadow_colors;        // places of images, 8 bits each: coloured and deep shadows of the suns, the same of lamps
 };
 struct DepthViewPush {  // depth as a view sees it
   uint64_t deformed;
@@ -44,6 +44,7 @@ struct SkyPush {
   uint64_t lights, light_cells, light_entries, light_tiles, suns, lamps;
   vec2 subsample_ndc;  // by which this sample lies off the pixel's middle (passes/post/supersample.h)
   uint sun_maps, lamp_maps, fog_light;
+  uint shadow_colors;  // as in DrawPush
 };
 struct SupersamplePush {
   uint source, before, target;
@@ -54,7 +55,7 @@ struct BackgroundPush {
   uint64_t lights, light_cells, light_entries, light_tiles, suns, lamps;  // as in SkyPush
   vec4 color;                                                             // premultiplied, pre-exposed
   vec2 subsample_ndc;
-  uint sun_maps, lamp_maps, fog_light;
+  uint sun_maps, lamp_maps, fog_light, shadow_colors;
 };
 struct TonemapPush {
   uint64_t automatic;   // an ExposureResult, with automatic exposure

@@ -45,6 +45,7 @@ struct FogMedium {
 struct FogLightPush {
   uint64_t lights, light_cells, light_entries, light_tiles, suns, lamps;
   uint sun_maps, lamp_maps, target;
+  uint shadow_colors;  // as in DrawPush
 };
 struct FogMarchPush {
   uint64_t lights, light_cells, light_entries, light_tiles, suns, lamps;
@@ -54,6 +55,7 @@ struct FogMarchPush {
   uint texel_px, steps;
   float loss;  // of the light that came so far, what a step may take
   uint seed;
+  uint shadow_colors;  // as in DrawPush
 };
 struct FogSumPush {
   uint image;

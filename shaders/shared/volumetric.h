@@ -23,6 +23,7 @@ struct VolumetricMarchPush {
   float farthest_m;     // of a ray: no lamp reaches beyond
   float phi, tau, anisotropy;
   uint formula;
+  uint shadow_colors;  // as in DrawPush
 };
 struct VolumetricFilterPush {
   uint source, target;

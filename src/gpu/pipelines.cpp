@@ -88,7 +88,7 @@ VkPipelineColorBlendAttachmentState blend_state(const AttachmentState& attachmen
                                                           : blend == Blend::coverage
                                                               ? VK_BLEND_FACTOR_ONE_MINUS_SRC_COLOR
                                                               : VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
-  state.colorBlendOp = state.alphaBlendOp = VK_BLEND_OP_ADD;
+  state.colorBlendOp = state.alphaBlendOp = blend == Blend::greatest ? VK_BLEND_OP_MAX : VK_BLEND_OP_ADD;
   return state;
 }
 

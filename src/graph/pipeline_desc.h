@@ -32,8 +32,8 @@ struct RayPipelineDesc {
   bool operator==(const RayPipelineDesc&) const = default;
 };
 
-// coverage: channel by channel, what is covered already or by this: 1 - (1 - old) (1 - new).
-enum class Blend : uint8_t { none, premultiplied_over, additive, coverage };
+// coverage: channel by channel, what is covered already or by this: 1 - (1 - old) (1 - new). greatest: the larger one.
+enum class Blend : uint8_t { none, premultiplied_over, additive, coverage, greatest };
 
 // Of one colour attachment: how it blends, and which channels are written (bit 0 red to bit 3 alpha).
 struct AttachmentState {

@@ -19,7 +19,7 @@ Json to_json(const ComputePipelineDesc& desc) {
 Json to_json(const GraphicsPipelineDesc& desc) {
   Json formats = Json::array();
   for (const VkFormat format : desc.color_formats) formats.push_back(format_name(format));
-  constexpr const char* blends[] = {"none", "premultiplied_over", "additive", "coverage"};
+  constexpr const char* blends[] = {"none", "premultiplied_over", "additive", "coverage", "greatest"};
   Json result = {{"kind", "graphics"},
                  {"vertex_shader", desc.vertex_shader},
                  {"fragment_shader", desc.fragment_shader},

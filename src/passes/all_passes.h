@@ -50,6 +50,7 @@
 #include "passes/surfaces/terms.h"
 #include "passes/surfaces/transparent.h"
 #include "passes/transparency/colored_shadows.h"
+#include "passes/transparency/deep_shadows.h"
 #include "passes/transparency/fragments.h"
 #include "passes/transparency/moments.h"
 #include "passes/transparency/phenomenological.h"
@@ -68,12 +69,12 @@ struct PassList {};
 // and the layers derive from it (shared/pass_list.h, shared/knob_values.h).
 using AllPasses =
     PassList<PoseItems, Cull, CullCompact, Deform, Occluders, DepthPyramid, OcclusionCull, Rasterize, RasterizeViews,
-             TraceKeys, BlendedTiles, KeyDepth, DepthPrepass, DepthViews, ColoredShadows, TileDepth, PoseLights,
-             LightBoundsPass, LightAssign, LightScan, LightFill, LightSort, FillLightVoxels, AmbientOcclusion, FogGrid,
-             FogMarch, ShadeVisible, GBuffer, ShadeGBuffer, LightVolumeLists, ShadeVolumes, PutSamples, ShadeForward,
-             ShadeUnlit, Sky, Background, Reflections, ReflectionsOver, Refraction, Transparent, Weighted, Moments,
-             Fragments, Phenomenological, Layers, Terms, FogLayers, SunLayers, LocalLayers, OcclusionLayer, LightHeat,
-             LightVolumeLayer, TraversalHeat, TreeBoxes, MotionLayer, MatteIds, MatteRanks, Supersample, Resolve,
-             VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
+             TraceKeys, BlendedTiles, KeyDepth, DepthPrepass, DepthViews, ColoredShadows, DeepShadows, TileDepth,
+             PoseLights, LightBoundsPass, LightAssign, LightScan, LightFill, LightSort, FillLightVoxels,
+             AmbientOcclusion, FogGrid, FogMarch, ShadeVisible, GBuffer, ShadeGBuffer, LightVolumeLists, ShadeVolumes,
+             PutSamples, ShadeForward, ShadeUnlit, Sky, Background, Reflections, ReflectionsOver, Refraction,
+             Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms, FogLayers, SunLayers,
+             LocalLayers, OcclusionLayer, LightHeat, LightVolumeLayer, TraversalHeat, TreeBoxes, MotionLayer, MatteIds,
+             MatteRanks, Supersample, Resolve, VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
 
 }  // namespace candela

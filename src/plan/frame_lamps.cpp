@@ -16,12 +16,14 @@ namespace {
 
 constexpr uint32_t usual_layer_px = 2048;
 
-std::string why_none(const SceneFacts& facts, const FrameRequest& request, const LampKnobs& knobs) {
+std::string why_none(const SceneFacts& facts, const FrameRequest& request, const LampKnobs& knobs, bool see_through) {
   if (facts.point_lights + facts.spot_lights == 0) return "no point or spot light shines";
   if (!facts.takes_light() && !request.draws_fog() && !request.draws_volumetric())
     return "nothing that is drawn takes light";
   const bool traced = knobs.traced();
-  if (facts.opaque_items + facts.mask_items + (traced ? facts.blend_items : 0) == 0)
+  if (facts.opaque_items + facts.mask_items + (traced || see_through ? facts.blend_items : 0) +
+          (see_through ? facts.refracting_items : 0) ==
+      0)
     return "nothing that is drawn casts a shadow";
   if (!request.wants_true(DepthViews::effect)) return "shadows are not wanted (--effects, --quality)";
   if (request.neutral_light) return "the neutral light casts no shadows";
@@ -146,12 +148,13 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const SurveyedFrame& frame, 
   const SceneFacts& facts = frame.facts;
   const FrameRequest& request = frame.request;
   FrameLamps out;
-  out.absence = why_none(facts, request, knobs);
+  out.absence = why_none(facts, request, knobs, options.see_through);
   if (!out.absence.empty()) return out;
   out.traced = knobs.traced();
   out.by_voxels = knobs.method == LampKnobs::by_voxels;
   const bool in_air = request.draws_fog() || request.draws_volumetric();
-  if (out.traced && (!in_air || facts.opaque_items + facts.mask_items == 0 || knobs.lights == 0)) {
+  if (out.traced &&
+      (!in_air || (!options.see_through && facts.opaque_items + facts.mask_items == 0) || knobs.lights == 0)) {
     out.absence = fmt::format("local.method is {}: shading sends rays", out.by_voxels ? "voxels" : "traced");
     return out;
   }

@@ -10,11 +10,13 @@
 namespace candela {
 namespace {
 
-std::string why_none(const SceneFacts& facts, const FrameRequest& request, const SunKnobs& knobs) {
+std::string why_none(const SceneFacts& facts, const FrameRequest& request, const SunKnobs& knobs, bool see_through) {
   if (facts.directional_lights == 0) return "no directional light shines";
   if (!facts.takes_light()) return "nothing that is drawn takes light";
   const bool traced = sends_rays(SunMode(knobs.mode));
-  if (facts.opaque_items + facts.mask_items + (traced ? facts.blend_items : 0) == 0)
+  if (facts.opaque_items + facts.mask_items + (traced || see_through ? facts.blend_items : 0) +
+          (see_through ? facts.refracting_items : 0) ==
+      0)
     return "nothing that is drawn casts a shadow";
   if (!request.wants_true(DepthViews::effect)) return "shadows are not wanted (--effects, --quality)";
   if (request.neutral_light) return "the neutral light casts no shadows";
@@ -70,11 +72,12 @@ Expected<FrameSuns> plan_suns(const Scene& scene, const SurveyedFrame& frame, co
   const SceneFacts& facts = frame.facts;
   const FrameRequest& request = frame.request;
   FrameSuns out;
-  out.absence = why_none(facts, request, knobs);
+  out.absence = why_none(facts, request, knobs, options.see_through);
   if (!out.absence.empty()) return out;
   out.traced = sends_rays(SunMode(knobs.mode));
   out.by_voxels = SunMode(knobs.mode) == SunMode::voxels;
-  if (out.traced && (!request.draws_fog() || facts.opaque_items + facts.mask_items == 0 || knobs.lights == 0)) {
+  if (out.traced && (!request.draws_fog() || (!options.see_through && facts.opaque_items + facts.mask_items == 0) ||
+                     knobs.lights == 0)) {
     out.absence = fmt::format("sun.mode is {}: shading sends rays", out.by_voxels ? "voxels" : "traced");
     return out;
   }

@@ -21,6 +21,7 @@ Lighting lights_off_camera(const Lighting& lighting) {
   lists.rays.surfaces = true;
   lists.rays.suns |= bool(lists.sun_maps), lists.rays.lamps |= bool(lists.lamp_maps);
   lists.sun_maps = lists.lamp_maps = {};
+  lists.deep = {};
   lists.occlusion = lighting.occlusion;
   lists.occlusion.traced |= bool(lists.occlusion.open);
   lists.occlusion.open = {};

@@ -40,7 +40,7 @@ FogView fog_view(Frame& frame, const SceneInputs& scene, const Surfaces& surface
 Lighting fog_alone(const Lighting& lists) {
   Lighting alone;
   if (fog_walks(lists)) alone = lists;
-  if (lists.fog.lamp_points == 0) alone.lamp_maps = {};
+  if (lists.fog.lamp_points == 0) alone.lamp_maps = alone.deep.lamps = {};
   alone.fog = lists.fog;
   return alone;
 }

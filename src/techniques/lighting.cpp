@@ -17,6 +17,7 @@
 #include "passes/shared/scene_inputs.h"
 #include "passes/shared/views.h"
 #include "passes/transparency/colored_shadows.h"
+#include "passes/transparency/deep_shadows.h"
 #include "techniques/technique.h"
 
 namespace candela {
@@ -43,10 +44,11 @@ Hash128 depth_image_key(const Hash128& key, bool floats, bool open_sides) {
 }
 
 // What the views of an image show, drawn or kept from before; without the image the reason why it is not there.
-// And what see-through surfaces leave of the light (ColoredShadows), where maps are drawn. as_depth: samplers compare
-// with the image or passes draw over it; otherwise depths from compute are plain floats, which a GPU copies faster.
+// And what see-through surfaces leave of the light (ColoredShadows, DeepShadows), where maps are drawn. as_depth:
+// samplers compare with the image or passes draw over it; otherwise depths from compute are plain floats, which a GPU
+// copies faster.
 struct LightMaps {
-  ImageHandle depth, colors;
+  ImageHandle depth, colors, deep;
 };
 LightMaps light_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
                      const std::shared_ptr<const ViewImage>& image, const std::optional<Hash128>& key, ViewRange views,
@@ -54,7 +56,7 @@ LightMaps light_maps(Frame& frame, const SceneInputs& scene, const Surfaces& sur
   LightMaps out;
   if (!image) {
     out.depth.absence = frame.builder.leave_out(fmt::format("{}.{}", DepthViews::name, instance), absence);
-    for (const std::string_view pass : {RasterizeViews::name, ColoredShadows::name})
+    for (const std::string_view pass : {RasterizeViews::name, ColoredShadows::name, DeepShadows::name})
       frame.builder.leave_out(fmt::format("{}.{}", pass, instance), absence);
     return out;
   }
@@ -76,13 +78,15 @@ LightMaps light_maps(Frame& frame, const SceneInputs& scene, const Surfaces& sur
                        "kept from before: nothing that casts has moved");
   const ColoredShadows::In in{scene, draws, surfaces.deformed, image, out.depth, frame.facts.refracting_bodies > 0};
   out.colors = frame.add(ColoredShadows{}, in, instance).colors;
+  out.deep = frame.add(DeepShadows{}, {scene, draws, surfaces.deformed, image, out.depth}, instance).deep;
   return out;
 }
 
 }  // namespace
 
 bool draws_shadow_colors(const SceneFacts& facts, const FrameRequest& request, const KnobValues& knobs) {
-  return bool(ColoredShadows{knobs.get<ColoredShadows::Knobs>()}.needed(facts, request));
+  return ColoredShadows{knobs.get<ColoredShadows::Knobs>()}.needed(facts, request) ||
+         DeepShadows{knobs.get<DeepShadows::Knobs>()}.needed(facts, request);
 }
 
 void shadow_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, Lighting& lighting) {
@@ -100,6 +104,7 @@ void shadow_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surface
   // Rays tell themselves what is left of a light.
   if (!scene.rays.suns) lighting.shadow_colors.suns = suns.colors;
   if (!scene.rays.lamps) lighting.shadow_colors.lamps = lamps.colors;
+  lighting.deep = {suns.deep, lamps.deep};
   lighting.shadow_colors.bent = frame.facts.refracting_bodies > 0 && frame.knobs.get<ColoredShadows::Knobs>().steps > 0;
 }
 

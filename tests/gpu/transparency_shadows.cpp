@@ -11,7 +11,7 @@ class TransparencyShadows : public GlassTest {
   static constexpr double interface_left = 1 - 0.04;  // of an index of 1.5, at normal incidence
 
   // A light on the z axis that shines down it onto a wall at z = -1.
-  static GltfBuilder lit_wall(Lamp lamp) {
+  static GltfBuilder lit_wall(Lamp lamp, double alpha = 1) {
     GltfBuilder b = empty_scene();
     const char* const types[] = {"directional", "point", "spot"};
     Json light = {{"type", types[int(lamp)]}, {"intensity", lamp == Lamp::sun ? 2 : 60}};
@@ -20,11 +20,11 @@ class TransparencyShadows : public GlassTest {
     for (const char* name :
          {"KHR_materials_transmission", "KHR_materials_ior", "KHR_materials_volume", "KHR_materials_dispersion"})
       b.json["extensionsUsed"].push_back(name);
-    add_node(b,
-             {{"mesh", add_square_mesh(b, 4, add_material(b, {{"pbrMetallicRoughness", base_color(0.8, 0.8, 0.8)}}))},
-              {"translation", {0, 0, -1}}});
+    add_node(b, {{"mesh", add_square_mesh(b, 4, add_material(b, alpha < 1 ? blended(0.8, alpha) : opaque(0.8)))},
+                 {"translation", {0, 0, -1}}});
     return b;
   }
+  static Json opaque(double grey) { return {{"pbrMetallicRoughness", base_color(grey, grey, grey)}}; }
   static Json blended(double grey, double alpha) {
     Json m = {{"pbrMetallicRoughness", base_color(grey, grey, grey, alpha)}};
     m["alphaMode"] = "BLEND";
@@ -238,6 +238,130 @@ TEST_F(TransparencyShadows, ALensGathersLight) {
   float least = 1;
   for (int x = 0; x < glass_width; ++x) least = std::min(least, fraction(bent, x));
   EXPECT_LT(least, 0.2f);
+}
+
+// Of a blended wall, which is light's last surface: the same over what it is without anything before it.
+class DeepShadows : public TransparencyShadows {
+ protected:
+  struct Sheet {
+    double z, alpha;
+  };
+  static GltfBuilder wall_before(Lamp lamp, const std::vector<Sheet>& sheets) {
+    GltfBuilder b = lit_wall(lamp, 0.6);
+    for (const Sheet& sheet : sheets) add_sheet(b, blended(0.3, sheet.alpha), 0.6f, {0, 0, sheet.z});
+    return b;
+  }
+  static double left_of_wall(Lamp lamp, const std::vector<Sheet>& sheets, std::vector<KnobSetting> settings = {},
+                             const char* technique = "clustered") {
+    const auto wall = [&](const GltfBuilder& b) {
+      Job job = from_aside(b, settings);
+      job.transparency = "layers";
+      job.technique = technique;
+      return middle(job).y;
+    };
+    return wall(wall_before(lamp, sheets)) / wall(lit_wall(lamp, 0.6));
+  }
+};
+
+TEST_F(DeepShadows, BlendedSheetsDarkenABlendedOne) {
+  for (const Lamp lamp : {Lamp::sun, Lamp::point, Lamp::spot}) {
+    EXPECT_NEAR(left_of_wall(lamp, {{0.5, 0.7}}), 0.3, 2e-3) << int(lamp);
+    EXPECT_NEAR(left_of_wall(lamp, {{0.5, 0.7}, {0, 0.5}, {-0.5, 0.25}}), 0.3 * 0.5 * 0.75, 2e-3) << int(lamp);
+  }
+  for (const char* technique : {"visibility", "deferred-tiled", "deferred-volumes", "forward-plus", "ray"})
+    EXPECT_NEAR(left_of_wall(Lamp::sun, {{0.5, 0.7}}, {}, technique), 0.3, 2e-3) << technique;
+  EXPECT_NEAR(left_of_wall(Lamp::point, {{0.5, 0.7}}, {{"local", "method", "traced"}}), 0.3, 2e-3);
+}
+
+// One that hides nothing is not there, one that hides all is opaque; the wall itself does not darken itself.
+TEST_F(DeepShadows, EndsOfAlpha) {
+  for (const Lamp lamp : {Lamp::sun, Lamp::point}) {
+    EXPECT_EQ(left_of_wall(lamp, {{0.5, 0}}), 1) << int(lamp);
+    EXPECT_LT(left_of_wall(lamp, {{0.5, 1}}), 1e-6) << int(lamp);
+    EXPECT_LT(left_of_wall(lamp, {{0.8, 0.4}, {0.5, 1}, {0, 0.4}}), 1e-6) << int(lamp);
+    EXPECT_NEAR(left_of_wall(lamp, {{0.5, 0.4}, {-1.5, 1}}), 0.6, 2e-3) << int(lamp);  // behind it
+    const auto alone = [&](const char* scale) {
+      Job job = from_aside(lit_wall(lamp, 0.6), {{"deep_shadows", "scale", scale}});
+      return middle(job).y;
+    };
+    EXPECT_NEAR(alone("quarter"), alone("off"), 1e-4 * alone("off")) << int(lamp);
+  }
+}
+
+// The middle of many: those behind it are not before it, the more exactly the more slices there are.
+TEST_F(DeepShadows, MoreSlicesTendToTheProduct) {
+  std::vector<Sheet> sheets;
+  double expected = 1;
+  for (int i = 0; i < 12; ++i) {
+    sheets.push_back({0.95 - 0.31 * i + 0.07 * (i * i % 5), 0.1 + 0.02 * i});
+    if (sheets.back().z > -1) expected *= 1 - sheets.back().alpha;
+  }
+  const auto off_by = [&](const char* slices) {
+    return std::abs(left_of_wall(Lamp::sun, sheets, {{"deep_shadows", "slices", slices}}) - expected);
+  };
+  const double few = off_by("4"), some = off_by("8"), many = off_by("24");
+  EXPECT_GT(few, some);
+  EXPECT_GT(some, many);
+  EXPECT_LT(many, 0.05 * expected);
+}
+
+// A lamp among the sheets: those on its other side leave its light alone.
+TEST_F(DeepShadows, ALampBetweenSheets) {
+  EXPECT_NEAR(left_of_wall(Lamp::point, {{5.5, 0.8}, {6, 1}}), 1, 1e-3);
+  EXPECT_NEAR(left_of_wall(Lamp::point, {{5.5, 0.8}, {4.5, 0.4}, {4, 0.5}}), 0.3, 3e-3);
+}
+
+// The air behind a coloured sheet is lit through it; behind one that hides all it is dark.
+TEST_F(DeepShadows, AirIsLitThroughSheets) {
+  const auto air = [](Lamp lamp, const std::function<void(GltfBuilder&)>& add, const char* method) {
+    GltfBuilder b = lit_wall(lamp);
+    add(b);
+    Job job = job_for(write(b), glass_width, glass_height, 1);
+    look(job, {0, 3, -0.2}, {0, 0, -0.2}, 8);
+    job.effects = "refraction,shadows,fog";
+    job.settings = {{"sun", "mode", "single"}, {"sun", "single_px", "512"}, {"fog", "method", method}};
+    job.look =
+        look_file(R"({"fog": {"extinction": 0.1, "bounds": {"x": [-0.3, 0.3], "y": [-0.3, 0.3], "z": [-0.8, 0.3]}}})");
+    return middle(job);
+  };
+  const glm::dvec3 color(0.9, 0.5, 0.2);
+  const auto glass = [&](GltfBuilder& b) {
+    add_sheet(b, glass_material({.color = color, .ior = 1.5}), 0.6f, {0, 0, 0.5});
+  };
+  const auto nothing = [](GltfBuilder&) {};
+  for (const Lamp lamp : {Lamp::sun, Lamp::point})
+    for (const char* method : {"froxels", "march", "pixels"}) {
+      const std::string what = fmt::format("light {}, {}", int(lamp), method);
+      const glm::dvec3 open = air(lamp, nothing, method);
+      EXPECT_GT(open.x, 0) << what;
+      expect_left(air(lamp, glass, method) / open, interface_left * color, what, 5e-3);
+      expect_left(air(
+                      lamp,
+                      [](GltfBuilder& b) {
+                        add_sheet(b, blended(0.3, 0.7), 0.6f, {0, 0, 0.5});
+                      },
+                      method) /
+                      open,
+                  glm::dvec3(0.3), what + ", blended", 5e-3);
+      expect_left(air(
+                      lamp,
+                      [](GltfBuilder& b) {
+                        add_sheet(b, blended(0.3, 1), 0.6f, {0, 0, 0.5});
+                      },
+                      method) /
+                      open,
+                  glm::dvec3(0), what + ", alpha 1", 1e-4);
+    }
+}
+
+// Nothing of it is there where nothing takes it.
+TEST_F(DeepShadows, IsLeftOutWhereNothingNeedsIt) {
+  const auto is_there = [](const Job& job) {
+    return plan_text(render(*open(job)).plan).find("deep_shadows.sun.maps") != std::string::npos;
+  };
+  EXPECT_TRUE(is_there(from_aside(wall_before(Lamp::sun, {}))));
+  EXPECT_FALSE(is_there(from_aside(lit_wall(Lamp::sun))));
+  EXPECT_FALSE(is_there(from_aside(wall_before(Lamp::sun, {}), {{"deep_shadows", "scale", "off"}})));
 }
 
 }  // namespace candela::test

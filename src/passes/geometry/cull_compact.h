@@ -9,7 +9,7 @@ namespace candela {
 // whatever the device's scheduling.
 struct CullCompact {
   static constexpr std::string_view name = "cull_compact";
-  using InputKnobs = std::tuple<CullKnobs, OcclusionCullKnobs, ColoredShadowKnobs>;
+  using InputKnobs = std::tuple<CullKnobs, OcclusionCullKnobs, ColoredShadowKnobs, DeepShadowKnobs>;
   struct In {
     SceneInputs scene;
     BufferHandle masks, survivors;

@@ -4,7 +4,11 @@
 
 namespace candela {
 
-Need DepthViews::needed(const SceneFacts& facts, const FrameRequest&) const { return needed_for_solid_surfaces(facts); }
+// Maps in which nothing opaque stands too: of what is seen through there are images beside them.
+Need DepthViews::needed(const SceneFacts& facts, const FrameRequest&) const {
+  if (facts.blend_items + facts.refracting_items > 0) return {};
+  return needed_for_solid_surfaces(facts);
+}
 
 DepthViews::Out DepthViews::declare(GraphBuilder& builder, const In& in) const {
   Out out;

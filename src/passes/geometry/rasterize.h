@@ -49,7 +49,7 @@ struct RasterizeViews {
   static constexpr std::string_view name = "rasterize_views", effect = "shadows";
   using Knobs = RasterKnobs;
   using SharedKnobs = std::tuple<SunKnobs, LampKnobs>;
-  using InputKnobs = std::tuple<CullKnobs, LightRangeKnobs, ColoredShadowKnobs>;
+  using InputKnobs = std::tuple<CullKnobs, LightRangeKnobs, ColoredShadowKnobs, DeepShadowKnobs>;
   struct In {
     SceneInputs scene;
     ViewRange views;

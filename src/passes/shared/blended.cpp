@@ -27,7 +27,8 @@ BatchPipelines declare_blended(GraphBuilder& builder, const BlendedIn& in, Graph
   test_depth(choice.desc, tested);
   const std::string part = choice.desc.fragment_shader;
   const auto shader = [&](const char* whole) { return with_fog((part.empty() ? whole : part) + define, in.lists); };
-  choice.desc.fragment_shader = shader("shade_forward.frag");
+  const auto lit = [&](const char* whole) { return with_deep_shadows(shader(whole), in.lists); };
+  choice.desc.fragment_shader = lit("shade_forward.frag");
   choice.desc.constants = light_constants(in.lists);
   BatchPipelines all = declare_batches(
       builder, in.scene, in.draws, in.deformed,

@@ -67,8 +67,9 @@ void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const Light
     builder.read(lists.lamp_maps, by.image, "the local lights' maps");
     builder.read(scene.lamps, by.buffer, "the local lights' tiles");
   }
-  for (const ImageHandle colors : {lists.shadow_colors.suns, lists.shadow_colors.lamps})
-    builder.read_optional(colors, by.image);
+  for (const ImageHandle shadows :
+       {lists.shadow_colors.suns, lists.shadow_colors.lamps, lists.deep.suns, lists.deep.lamps})
+    builder.read_optional(shadows, by.image);
   const TracedRays& rays = lists.rays;
   if (traces(lists)) {
     builder.read(rays.trees, by.buffer, "the trees for rays");
@@ -89,6 +90,11 @@ std::string with_shadow_colors(std::string shader, const ShadowColors& colors) {
   if (!colors.suns && !colors.lamps) return shader;
   return shader +
          fmt::format("#COLORED_SHADOWS={}", (colors.suns ? 1 : 0) + (colors.lamps ? 2 : 0) + (colors.bent ? 4 : 0));
+}
+
+std::string with_deep_shadows(std::string shader, const Lighting& lists) {
+  const int kinds = (lists.deep.suns && !lists.rays.suns ? 1 : 0) + (lists.deep.lamps && !lists.rays.lamps ? 2 : 0);
+  return kinds == 0 ? shader : shader + fmt::format("#DEEP_SHADOWS={}", kinds);
 }
 
 std::vector<SpecConstant> light_constants(const Lighting& lists) {
@@ -197,8 +203,9 @@ shared::DrawPush draw_push(CommandList& commands, const SceneInputs& scene, Buff
   push.subsample_footprint = scene.subsample_footprint;
   push.deformed = deformed ? commands.address(deformed) : 0;
   push_lights(commands, scene, lists, fog, push);
-  if (lists && lists->shadow_colors.suns) push.shadow_colors = commands.sampled(lists->shadow_colors.suns);
-  if (lists && lists->shadow_colors.lamps) push.shadow_colors |= commands.sampled(lists->shadow_colors.lamps) << 16;
+  if (lists && lists->shadow_colors.suns) push.shadow_colors |= image_place(commands, lists->shadow_colors.suns);
+  if (lists && lists->shadow_colors.lamps)
+    push.shadow_colors |= image_place(commands, lists->shadow_colors.lamps) << 16;
   if (lists && lists->occlusion.open) push.occlusion = commands.sampled(lists->occlusion.open);
   if (lists && traces(*lists)) push.trees = commands.address(lists->rays.trees);
   if (lists && takes_settings(*lists)) {

@@ -99,6 +99,8 @@ std::vector<SpecConstant> light_constants(const Lighting& lists);
 
 // A shader's name with the definition that has it take coloured shadows, where there are any.
 std::string with_shadow_colors(std::string shader, const ShadowColors& colors);
+// The same of blended surfaces, and of the light that is left at each distance. Rays tell themselves.
+std::string with_deep_shadows(std::string shader, const Lighting& lists);
 
 // What a pass that shades under lights reads besides.
 void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const Lighting& lists, const ReadBy& by = {});

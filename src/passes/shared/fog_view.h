@@ -30,7 +30,7 @@ struct FogView {
 // not specialization constants: a frame without fog compiles the source that it would have without this effect.
 std::string with_fog(std::string shader, const Lighting& lists);
 // The same for the maps of suns and lamps that the light in fog is shadowed by.
-std::string fog_shadows(bool sun, bool lamps, int lamp_points);
+std::string fog_shadows(const Lighting& lists, int lamp_points);
 // Which shaders read what a shading pass declares.
 struct ReadBy {
   Access buffer = Access::fragment_read, image = Access::sampled_fragment;

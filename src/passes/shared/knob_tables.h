@@ -9,6 +9,7 @@ namespace candela {
 struct BvhKnobs;
 struct ColoredShadowKnobs;
 struct CullKnobs;
+struct DeepShadowKnobs;
 struct FogKnobs;
 struct GBufferKnobs;
 struct IblKnobs;

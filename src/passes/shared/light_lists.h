@@ -63,6 +63,12 @@ struct ShadowColors {
   bool bent = false;  // with the light that bodies bend
 };
 
+// What see-through surfaces leave of lights at each distance from them (passes/transparency/deep_shadows.h); empty:
+// they let all through.
+struct DeepShadowMaps {
+  ImageHandle suns, lamps;
+};
+
 // Cells of the view that know which lights are seen from them (passes/shadows/light_voxels.h); empty: rays tell.
 struct LightVoxels {
   BufferHandle states;
@@ -72,8 +78,8 @@ struct LightVoxels {
 // What shading passes walk (shaders/lib/light_list.glsl), the depth maps of lights or the trees for their rays, the fog
 // that all is seen through, and ambient occlusion. Empty handles: no lists, no shadows, nothing occludes.
 struct Lighting {
-  using MadeBy = std::tuple<LightKnobs, SunKnobs, LampKnobs, LightVoxelKnobs, ColoredShadowKnobs, OcclusionKnobs,
-                            FogKnobs, BvhKnobs, ResolveKnobs, SupersampleKnobs>;
+  using MadeBy = std::tuple<LightKnobs, SunKnobs, LampKnobs, LightVoxelKnobs, ColoredShadowKnobs, DeepShadowKnobs,
+                            OcclusionKnobs, FogKnobs, BvhKnobs, ResolveKnobs, SupersampleKnobs>;
   BufferHandle cells;     // bitmasks of all cells, or where each cell's entries begin
   BufferHandle entries;   // compact: light indices, ascending inside a cell
   BufferHandle tiles;     // tiled: depths
@@ -83,6 +89,7 @@ struct Lighting {
   FogView fog;
   OcclusionTexels occlusion;   // for opaque and masked surfaces alone
   ShadowColors shadow_colors;  // the same
+  DeepShadowMaps deep;         // for blended surfaces and the air
   LightVoxels voxels;          // the same
   // For what is no opaque or masked surface: blended ones, the air, layers.
   Lighting unoccluded() const {

@@ -1,9 +1,17 @@
 #pragma once
+#include "base/check.h"
 #include "gpu/command_list.h"
 #include "passes/shared/light_lists.h"
 #include "passes/shared/scene_inputs.h"
 
 namespace candela {
+
+// Of an image among the pass's, in eight bits.
+inline uint32_t image_place(CommandList& commands, ImageHandle image) {
+  const uint32_t place = commands.sampled(image);
+  CHECK(place < 256);
+  return place;
+}
 
 // The lights, their lists and their shadow maps into the members that push constants of all shaders which walk lights
 // share; suns, sun_maps, lamps and lamp_maps stay 0 where the lists have no such map. No address of a list is 0, even
@@ -21,6 +29,10 @@ void push_light_lists(CommandList& commands, const SceneInputs& scene, const Lig
       push.suns = commands.address(scene.suns);
       push.sun_maps = commands.sampled(lists.sun_maps);
     }
+  if constexpr (requires { push.shadow_colors; }) {
+    if (lists.deep.suns) push.shadow_colors |= image_place(commands, lists.deep.suns) << 8;
+    if (lists.deep.lamps) push.shadow_colors |= image_place(commands, lists.deep.lamps) << 24;
+  }
   if (lists.lamp_maps) {
     push.lamps = commands.address(scene.lamps);
     push.lamp_maps = commands.sampled(lists.lamp_maps);

@@ -49,7 +49,8 @@ void Background::record(CommandList& commands, const In& in, const Out& out) con
                                          sky.subsample_ndc,
                                          sky.sun_maps,
                                          sky.lamp_maps,
-                                         sky.fog_light});
+                                         sky.fog_light,
+                                         sky.shadow_colors});
     commands.set_cull(false, false);
     commands.draw(3);
   }

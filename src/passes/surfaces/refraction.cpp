@@ -99,7 +99,7 @@ Refraction::Out Refraction::declare(GraphBuilder& builder, const In& in) const {
   declare_fog(builder, scene, in.lists, true);
   BatchPipelineChoice choice;
   choice.desc.vertex_shader = "draw.vert";
-  choice.desc.fragment_shader = with_fog("shade_forward.frag", in.lists);
+  choice.desc.fragment_shader = with_deep_shadows(with_fog("shade_forward.frag", in.lists), in.lists);
   choice.desc.color_formats = {color_format};
   choice.desc.depth_format = depth_format;
   choice.desc.samples = scene.samples;

@@ -81,13 +81,16 @@ Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
     unoccluded.occlusion = {};
     choice.desc.constants = light_constants(unoccluded);
   }
-  choice.desc.fragment_shader = with_fog(shader, transmitted(in.lists));
+  const auto seen_through = [&](std::string all) {
+    return wants_lighting(in) ? with_deep_shadows(std::move(all), in.lists) : all;
+  };
+  choice.desc.fragment_shader = seen_through(with_fog(shader, transmitted(in.lists)));
   if (in.seen) {
     choice.desc.depth_format = depth_format;
     choice.desc.depth_test = true;
     BatchPipelineChoice refracting = choice;
     declare_fog(builder, in.scene, of_blended(in.lists), wants_lighting(in));
-    refracting.desc.fragment_shader = with_fog(shader, of_blended(in.lists));
+    refracting.desc.fragment_shader = seen_through(with_fog(shader, of_blended(in.lists)));
     declare_seen_through(builder, in.scene, in.seen, refracting);
     out.refracting = declare_batches(
         builder, in.scene, in.draws, in.deformed, [](const DrawBatch& r) { return r.refracts; }, refracting);

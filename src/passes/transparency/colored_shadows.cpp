@@ -1,15 +1,11 @@
 #include "passes/transparency/colored_shadows.h"
 
-#include "shared/draw.h"
+#include "passes/shared/light_view.h"
 
 namespace candela {
 namespace {
 
 constexpr VkFormat shadow_format = VK_FORMAT_R16G16B16A16_SFLOAT;
-
-bool is_seen_through(const DrawBatch& r) { return !r.solid() && r.topology == Topology::triangles; }
-bool is_blended(const DrawBatch& r) { return is_seen_through(r) && !r.refracts; }
-bool is_glass(const DrawBatch& r) { return is_seen_through(r) && r.refracts; }
 
 // Whether some view of the layer draws glass.
 bool has_glass(const ColoredShadows::In& in, uint32_t layer) {
@@ -18,20 +14,10 @@ bool has_glass(const ColoredShadows::In& in, uint32_t layer) {
   for (size_t v = 0; v < in.image->views.size(); ++v)
     for (size_t r = 0; r < runs.size(); ++r) {
       const size_t region = v * runs.size() + r;
-      if (in.image->views[v].layer == layer && is_glass(runs[r]) && first[region] < first[region + 1]) return true;
+      if (in.image->views[v].layer == layer && is_glass_to_light(runs[r]) && first[region] < first[region + 1])
+        return true;
     }
   return false;
-}
-
-// The direction to a parallel view's light, and 0; or where the light is, and how far it reaches.
-glm::vec4 light_of(const shared::View& view) {
-  const glm::dmat4 rows = glm::transpose(glm::dmat4(view.clip_from_relative));
-  if (!(view.flags & shared::view_is_perspective)) return {glm::normalize(glm::dvec3(rows[2])), 0};
-  const glm::dmat3 across = glm::transpose(glm::dmat3(rows[0], rows[1], rows[3]));
-  const glm::dvec3 at = glm::inverse(across) * -glm::dvec3(rows[0].w, rows[1].w, rows[3].w);
-  const glm::dvec4 end(view.planes[4]);  // faces the light; none: it reaches everywhere
-  const double reach_m = glm::dot(glm::dvec3(end), at) + end.w;
-  return {at, end == glm::dvec4(0) || !(reach_m > 0) ? 3e38 : reach_m};
 }
 
 }  // namespace
@@ -88,10 +74,10 @@ ColoredShadows::Out ColoredShadows::declare(GraphBuilder& builder, const In& in)
   choice.desc.fragment_shader = "colored_shadows.frag";
   choice.desc.color_formats = {shadow_format};
   choice.desc.blend = Blend::coverage;
-  out.straight = declare_batches(builder, s, in.draws, in.deformed, is_blended, choice);
+  out.straight = declare_batches(builder, s, in.draws, in.deformed, is_blended_to_light, choice);
   choice.desc.vertex_shader = "colored_shadows.vert#GLASS=1";
   choice.desc.fragment_shader = bends ? "colored_shadows.frag#GLASS=1#BODIES_BLOCK=1" : "colored_shadows.frag#GLASS=1";
-  const BatchPipelines glass = declare_batches(builder, s, in.draws, in.deformed, is_glass, choice);
+  const BatchPipelines glass = declare_batches(builder, s, in.draws, in.deformed, is_glass_to_light, choice);
   for (size_t r = 0; r < glass.by_run.size(); ++r)
     if (glass.by_run[r]) out.straight.by_run[r] = glass.by_run[r];
   for (uint32_t layer = 0; layer < desc.layers; ++layer)
@@ -110,7 +96,7 @@ ColoredShadows::Out ColoredShadows::declare(GraphBuilder& builder, const In& in)
     choice.desc.blend = Blend::none;
     test_depth(choice.desc, true);
     choice.desc.depth_write = true;
-    out.back_faces = declare_batches(builder, s, in.draws, in.deformed, is_glass, choice);
+    out.back_faces = declare_batches(builder, s, in.draws, in.deformed, is_glass_to_light, choice);
     bent.positions = image("back_positions", color_format);
     bent.normals = image("back_normals", shadow_format);
     bent.z = image("back_z", depth_format);
@@ -127,32 +113,17 @@ ColoredShadows::Out ColoredShadows::declare(GraphBuilder& builder, const In& in)
     drawn.color_formats = {shadow_format};
     drawn.blend = Blend::additive;
     drawn.constants = {{45, "STEPS", uint32_t(knobs.steps)}};
-    out.bodies = declare_batches(builder, s, in.draws, in.deformed, is_glass, {drawn, {}});
+    out.bodies = declare_batches(builder, s, in.draws, in.deformed, is_glass_to_light, {drawn, {}});
     write(out.colors, Access::color_attachment, ImageRange::layer(maps.layers + layer));
   }
   return out;
 }
 
 void ColoredShadows::record(CommandList& commands, const In& in, const Out& out) const {
-  const std::vector<shared::View>& views = in.image->views;
   const uint32_t step = commands.step();
-  const float scale = float(commands.size(out.colors).x) / float(in.image->size_px);
-  shared::ColoredShadowPush push{};
-  push.deformed = in.deformed ? commands.address(in.deformed) : 0;
-  push.size_px = commands.size(out.colors).x;
+  shared::ColoredShadowPush push = light_view_push(commands, in.deformed, commands.size(out.colors).x);
   const auto draw_layer = [&](uint32_t layer, const BatchPipelines& pipelines) {
-    for (uint32_t v = 0; v < views.size(); ++v) {
-      const shared::View& view = views[v];
-      if (view.layer != layer) continue;
-      const glm::vec2 corner = glm::vec2(view.origin_px) * scale, size = glm::vec2(view.size_px) * scale;
-      commands.set_viewport(corner, size);
-      commands.set_scissor(glm::uvec2(corner), glm::uvec2(glm::ceil(size)));
-      push.clip_from_relative = view.clip_from_relative;
-      push.light = light_of(view);
-      push.layer = layer | (view.flags & shared::view_is_perspective ? 0u : 1u << 31);
-      push.place = glm::vec4(0.5f * size, corner + 0.5f * size) / float(push.size_px);
-      record_view_runs(commands, in.scene, in.draws, pipelines, v, push);
-    }
+    draw_light_views(commands, in.scene, in.draws, pipelines, *in.image, layer, push);
   };
   if (step == 0) {
     push.images = commands.sampled(in.depth);

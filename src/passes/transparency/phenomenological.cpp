@@ -100,6 +100,7 @@ Phenomenological::Out Phenomenological::declare(GraphBuilder& builder, const In&
     drawn.vertex_shader = "draw.vert#GLASS=1";
     drawn.fragment_shader =
         with_fog("shade_forward.frag" + define + fmt::format("#GLASS=1#BACKS={}", backs ? 1 : 0), in.lists);
+    drawn.fragment_shader = with_deep_shadows(drawn.fragment_shader, in.lists);
     drawn.samples = s.samples;
     test_depth(drawn, bool(in.depth));
     drawn.constants = light_constants(in.lists);

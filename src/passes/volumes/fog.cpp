@@ -34,7 +34,7 @@ FogGrid::Out FogGrid::declare(GraphBuilder& builder, const In& in) const {
   if (in.ambient) shader += "#FOG_AMBIENT=1";
   shader += fmt::format("#FOG_CELLS={}u", most_cells(nodes.z));
   const bool lamps = in.lists.lamp_maps && knobs.local_shadows > 0;
-  shader += fog_shadows(bool(in.lists.sun_maps), lamps, knobs.local_shadows);
+  shader += fog_shadows(in.lists, knobs.local_shadows);
   out.scatter = builder.pipeline(ComputePipelineDesc{shader, {}});
   out.sum = builder.pipeline(ComputePipelineDesc{"fog_sum.comp", {}});
   builder.begin_step();
@@ -44,7 +44,9 @@ FogGrid::Out FogGrid::declare(GraphBuilder& builder, const In& in) const {
     builder.read(in.lists.sun_maps, Access::sampled_compute, "the suns' maps");
     builder.read(in.scene.suns, Access::compute_read, "the suns' cascades");
   }
+  if (in.lists.sun_maps) builder.read_optional(in.lists.deep.suns, Access::sampled_compute);
   if (lamps) {
+    builder.read_optional(in.lists.deep.lamps, Access::sampled_compute);
     builder.read(in.lists.lamp_maps, Access::sampled_compute, "the local lights' maps");
     builder.read(in.scene.lamps, Access::compute_read, "the local lights' tiles");
   }
@@ -65,7 +67,8 @@ void FogGrid::record(CommandList& commands, const In& in, const Out& out) const 
   shared::FogLightPush push{};
   Lighting lists = in.lists;
   lists.tiles = {};  // air lies before and behind what tiles know the depths of
-  if (knobs.local_shadows == 0) lists.lamp_maps = {};
+  if (knobs.local_shadows == 0) lists.lamp_maps = lists.deep.lamps = {};
+  if (!lists.sun_maps) lists.deep.suns = {};
   push_light_lists(commands, in.scene, lists, push);
   push.target = commands.storage(out.light);
   commands.bind(out.scatter);

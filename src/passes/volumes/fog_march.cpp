@@ -27,14 +27,16 @@ FogMarch::Out FogMarch::declare(GraphBuilder& builder, const In& in) const {
     builder.read(in.lists.sun_maps, Access::sampled_compute, "the suns' maps");
     builder.read(s.suns, Access::compute_read, "the suns' cascades");
   }
+  if (in.lists.sun_maps) builder.read_optional(in.lists.deep.suns, Access::sampled_compute);
   if (lamps) {
+    builder.read_optional(in.lists.deep.lamps, Access::sampled_compute);
     builder.read(in.lists.lamp_maps, Access::sampled_compute, "the local lights' maps");
     builder.read(s.lamps, Access::compute_read, "the local lights' tiles");
   }
   std::string shader = with_depth("fog_march.comp", in.depth);
   if (in.media > 0) shader += fmt::format("#FOG_MEDIA={}", in.media);
   if (in.ambient) shader += "#FOG_AMBIENT=1";
-  shader += fog_shadows(bool(in.lists.sun_maps), lamps, shared_knobs.local_shadows);
+  shader += fog_shadows(in.lists, shared_knobs.local_shadows);
   out.pipeline = builder.pipeline(ComputePipelineDesc{shader, {{0, "DEPTH_SAMPLES", in.depth ? s.samples : 0}}});
   out.light = builder.write(out.light, Access::storage_image_write);
   return out;
@@ -44,7 +46,8 @@ void FogMarch::record(CommandList& commands, const In& in, const Out& out) const
   shared::FogMarchPush push{};
   Lighting lists = in.lists;
   lists.tiles = {};  // air lies before and behind what tiles know the depths of
-  if (shared_knobs.local_shadows == 0) lists.lamp_maps = {};
+  if (shared_knobs.local_shadows == 0) lists.lamp_maps = lists.deep.lamps = {};
+  if (!lists.sun_maps) lists.deep.suns = {};
   push_light_lists(commands, in.scene, lists, push);
   push_depth(commands, in.depth, push);
   push.target = commands.storage(out.light);

@@ -102,12 +102,13 @@ VolumetricLight::Out VolumetricLight::declare(GraphBuilder& builder, const In& i
   out.coarse[0] = coarse("volumetric.light");
   if (!filters.empty()) out.coarse[1] = coarse("volumetric.filtered");
   std::string march = with_depth("volumetric_march.comp", in.depth);
-  if (in.lists.lamp_maps) march += "#LAMP_SHADOWS=1";
+  if (in.lists.lamp_maps) march += in.lists.deep.lamps ? "#LAMP_SHADOWS=1#FOG_DEEP_SHADOWS=2" : "#LAMP_SHADOWS=1";
   out.pipelines.push_back(builder.pipeline(ComputePipelineDesc{march, {{0, "DEPTH_SAMPLES", samples}}}));
   builder.begin_step();
   for (const BufferHandle b : {s.lights, s.light_globals, in.lists.cells, in.lists.entries, in.lists.tiles})
     builder.read_optional(b, Access::compute_read);
   if (in.lists.lamp_maps) {
+    builder.read_optional(in.lists.deep.lamps, Access::sampled_compute);
     builder.read(in.lists.lamp_maps, Access::sampled_compute, "the local lights' maps");
     builder.read(s.lamps, Access::compute_read, "the local lights' tiles");
   }
@@ -146,7 +147,9 @@ void VolumetricLight::record(CommandList& commands, const In& in, const Out& out
   commands.bind(out.pipelines[step]);
   if (step == 0) {
     shared::VolumetricMarchPush push{};
-    push_light_lists(commands, in.scene, in.lists, push);
+    Lighting lists = in.lists;
+    lists.deep.suns = {};
+    push_light_lists(commands, in.scene, lists, push);
     push_depth(commands, in.depth, push);
     push.target = commands.storage(out.coarse[0]);
     push.texels = texels;

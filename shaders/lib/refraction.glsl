@@ -25,6 +25,9 @@ vec3 refracted_through(Refracted r, vec3 fog_light, vec3 fog_through) {
 uint refraction_image(uint place) { return REFRACTION_PLACE(uint(pc.table), place); }
 
 #include "lib/seen_picture.glsl"
+#ifdef BODIES
+#include "lib/glass_way.glsl"
+#endif
 
 // Pixels, from the point's own place; a direction's for points infinitely far (w 0).
 vec2 refraction_place_px(vec3 position, float w) {
@@ -161,7 +164,12 @@ Refracted refracted_light(uint material, Surface s, BrdfTerms b, Varyings v, flo
     if (r.is_traced) return r;
   }
 #endif
-  if (glass.dispersion > 0.0 && g.thickness_m > 0.0) {
+  const bool is_body = g.thickness_m > 0.0;
+  vec3 absorbed = glass.absorption * g.thickness_m;
+#ifdef BODIES
+  if (is_body) absorbed = absorbed_by_bodies(glass, g);
+#endif
+  if (glass.dispersion > 0.0 && is_body) {
     // KHR_materials_dispersion: the index at three wavelengths.
     const float half_spread = (g.ior - 1.0) * 0.025 * glass.dispersion;
     const float nominal = g.ior;
@@ -175,6 +183,7 @@ Refracted refracted_light(uint material, Surface s, BrdfTerms b, Varyings v, flo
   } else {
     r.light = seen_through(g);
   }
-  r.tint = glass_tint(glass, s, refraction_reflected(s, b), r.fraction, g.thickness_m > 0.0, g.thickness_m);
+  r.tint = glass_tint(glass, s, refraction_reflected(s, b), r.fraction, is_body, 0.0);
+  if (is_body) r.tint *= exp(-absorbed);
   return r;
 }

@@ -77,6 +77,7 @@ void refract(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, c
                     .picture = picture,
                     .color = color};
   if (pass.traced(frame.facts, frame.request)) in.met = lights_off_camera(lighting);
+  in.bodies = frame.facts.refracting_bodies > 0;
   in.shows_sky = bool(Sky{}.needed(frame.facts, frame.request));
   const Refraction::Out made = frame.add(Refraction{}, in, instance);
   color = newest(made.color, color);

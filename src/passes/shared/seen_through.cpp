@@ -52,6 +52,11 @@ void declare_seen_through(GraphBuilder& builder, const SceneInputs& scene, const
   builder.read(seen.pyramid, Access::sampled_fragment, "the picture's levels");
   builder.read_optional(seen.behind, Access::sampled_fragment);
   if (builder.read_optional(seen.rays, Access::sampled_fragment)) choice.desc.fragment_shader += "#REFRACTION_RAYS=1";
+  if (builder.read_optional(seen.sums, Access::sampled_fragment)) {
+    builder.read(seen.backs, Access::sampled_fragment, "the nearest back faces");
+    choice.desc.fragment_shader += "#BODIES=1";
+    choice.desc.constants.push_back({46, "BODY_SEARCH", seen.body_search});
+  }
   choice.desc.vertex_shader += "#REFRACTION=1";
   choice.desc.fragment_shader += seen.behind ? "#REFRACTION=2" : "#REFRACTION=1";
   if (seen.lobe_samples > 0) choice.desc.constants.push_back({40, "REFRACTION_SAMPLES", seen.lobe_samples});
@@ -63,6 +68,8 @@ OwnInputs own_inputs(CommandList& commands, const SeenThrough& seen) {
   own.word =
       REFRACTION_IMAGES(commands.sampled(seen.picture), commands.sampled(seen.pyramid),
                         seen.behind ? commands.sampled(seen.behind) : 0u, seen.rays ? commands.sampled(seen.rays) : 0u);
+  if (seen.sums)
+    own.word |= uint64_t(REFRACTION_IMAGES(commands.sampled(seen.sums), commands.sampled(seen.backs), 0u, 0u)) << 32;
   own.number = std::bit_cast<uint32_t>(seen.roughest);
   return own;
 }

@@ -13,6 +13,9 @@ struct SeenThrough {
   uint32_t lobe_samples = 0;
   ImageHandle rays;    // what rays have found through smooth ones, at pixels' middles; empty: none were sent
   float roughest = 0;  // roughness from which the picture is looked up all the same
+  // Of all faces of bodies before what is opaque (shaders/refraction_bodies.frag); empty: a body is a slab.
+  ImageHandle sums, backs;
+  uint32_t body_search = 0;
   explicit operator bool() const { return bool(pyramid); }
 };
 

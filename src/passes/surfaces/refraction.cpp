@@ -30,6 +30,15 @@ std::span<const Knob> RefractionKnobs::table() {
        .description = "walls of bodies that bend or reflect a ray; through those after them it goes straight",
        .sweep = {1, 2, 4, 8, 16, 64},
        .required = "refraction.method=traced"},
+      {.name = "backs",
+       .member = &RefractionKnobs::backs,
+       .lowest = 0,
+       .highest = 16,
+       .levels = {0, 2, 3, 8},
+       .description =
+           "steps of the search for a body's other side among the nearest back faces, by which, and by all faces "
+           "behind, it absorbs; 0: a body is a slab of the file's thickness",
+       .sweep = {0, 1, 2, 3, 8}},
       {.name = "roughest",
        .member = &RefractionKnobs::roughest,
        .lowest = 0,
@@ -78,6 +87,43 @@ void Refraction::record_rays(CommandList& commands, const In& in, const Out& out
   commands.dispatch(in.scene.width_px, in.scene.height_px);
 }
 
+void Refraction::declare_bodies(GraphBuilder& builder, const In& in, Out& out) const {
+  const SceneInputs& s = in.scene;
+  builder.begin_step();
+  BatchPipelineChoice choice;
+  choice.desc.vertex_shader = "draw.vert#REFRACTION=1";
+  if (s.samples > 1) choice.desc.constants = {{41, "REFRACTION_DEPTH_SAMPLES", s.samples}};
+  builder.read_optional(in.behind, Access::sampled_fragment);
+  const auto image = [&](const char* what, const char* part, VkFormat format, Blend blend, BatchPipelines& drawn) {
+    choice.desc.fragment_shader = fmt::format("refraction_bodies.frag#REFRACTION={}{}", in.behind ? 2 : 1, part);
+    choice.desc.color_formats = {format};
+    choice.desc.blend = blend;
+    drawn = declare_batches(
+        builder, s, in.draws, in.deformed, [](const DrawBatch& r) { return r.refracts; }, choice);
+    return builder.write(builder.create(ImageDesc{what, format, s.width_px, s.height_px}), Access::color_attachment);
+  };
+  out.seen.sums = image("refraction.sums", "", color_format, Blend::additive, out.sums);
+  out.seen.backs = image("refraction.backs", "#NEAREST=1", float_format, Blend::greatest, out.nearest);
+  out.seen.body_search = uint32_t(knobs.backs);
+}
+
+void Refraction::record_bodies(CommandList& commands, const In& in, const Out& out) const {
+  const auto draw = [&](const BatchPipelines& pipelines, bool backs) {
+    OwnInputs own;
+    own.word = REFRACTION_IMAGES(0u, 0u, in.behind ? commands.sampled(in.behind) : 0u, 0u);
+    own.number = backs ? 1 : 0;
+    own.backs = backs;
+    record_batches(commands, in.scene, in.draws, in.deformed, pipelines, nullptr, nullptr, own);
+  };
+  const CommandList::Attachment sums{out.seen.sums}, nearest{out.seen.backs};
+  commands.begin_rendering({&sums, 1}, {});
+  for (const bool backs : {false, true}) draw(out.sums, backs);
+  commands.end_rendering();
+  commands.begin_rendering({&nearest, 1}, {});
+  draw(out.nearest, true);
+  commands.end_rendering();
+}
+
 Refraction::Out Refraction::declare(GraphBuilder& builder, const In& in) const {
   const SceneInputs& scene = in.scene;
   Out out;
@@ -93,6 +139,7 @@ Refraction::Out Refraction::declare(GraphBuilder& builder, const In& in) const {
   }
   out.seen.pyramid = declare_pyramid(builder, scene, out.seen.picture, "refraction.pyramid");
   if (knobs.method == Knobs::by_rays) declare_rays(builder, in, out);
+  if (in.bodies && knobs.backs > 0) declare_bodies(builder, in, out);
   builder.begin_step();
   builder.read(in.depth, Access::depth_test, "depth");
   declare_lights(builder, scene, in.lists);
@@ -127,8 +174,13 @@ void Refraction::record(CommandList& commands, const In& in, const Out& out) con
     record_level(commands, out.down, out.seen.picture, out.seen.pyramid, size, step - copies);
     return;
   }
-  if (out.rays && step == copies + pyramid_levels(in.scene)) {
+  uint32_t next = copies + pyramid_levels(in.scene);
+  if (out.rays && next++ == step) {
     record_rays(commands, in, out);
+    return;
+  }
+  if (out.seen.sums && step == next) {
+    record_bodies(commands, in, out);
     return;
   }
   const CommandList::Attachment color{out.color};

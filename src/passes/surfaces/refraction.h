@@ -15,6 +15,7 @@ struct RefractionKnobs : ScreenOrRays {
   int method = screen;
   int samples = 0;
   int walls = 8;
+  int backs = 3;
   float roughest = 0.1f;
   static std::span<const Knob> table();
 };
@@ -22,8 +23,9 @@ struct RefractionKnobs : ScreenOrRays {
 // Surfaces that let light through (KHR_materials_transmission, _volume, _ior, _dispersion), over the picture without
 // them: its resolved light, at the size and as a pyramid of the next lower power of two, is looked up where light that
 // leaves the surface came from, tinted by base colour, absorbed on its way through the body, and less what the
-// interface reflects. The file's thickness stands for the body: light goes into a slab and leaves it as it came. Rough
-// surfaces: knob `samples`. Everything else about them - lights, shadows, reflections of the sky, fog - is as opaque
+// interface reflects. Light goes into a body, to the nearest back face behind it (knob `backs`) or through a slab of
+// the file's thickness, and leaves it as it came; what further walls and bodies absorb counts too. Rough surfaces: knob
+// `samples`. Everything else about them - lights, shadows, reflections of the sky, fog - is as opaque
 // surfaces have it. Units: cd/m2 times the pre-exposure.
 //
 // With method traced a ray goes through each pixel whose surface is smooth: bent at all walls of bodies in its way,
@@ -45,6 +47,7 @@ struct Refraction {
     Lighting lists;         // empty: every light for every pixel
     Lighting met;           // what surfaces that rays meet are lit by; only where they are sent
     bool shows_sky = false;
+    bool bodies = false;  // some surface bounds a body
     ImageHandle depth;    // of these surfaces and of the opaque ones together
     ImageHandle behind;   // optional: depth of the opaque ones alone; nothing is opaque without it
     ImageHandle picture;  // of one sample, without these surfaces
@@ -55,6 +58,7 @@ struct Refraction {
     SeenThrough seen;
     BatchPipelines pipelines;
     PipelineHandle down, rays;
+    BatchPipelines sums, nearest;  // of bodies
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   // Whether rays go through the scene itself.
@@ -68,6 +72,8 @@ struct Refraction {
 
  private:
   void declare_rays(GraphBuilder& builder, const In& in, Out& out) const;
+  void declare_bodies(GraphBuilder& builder, const In& in, Out& out) const;
+  void record_bodies(CommandList& commands, const In& in, const Out& out) const;
   void record_rays(CommandList& commands, const In& in, const Out& out) const;
 };
 

@@ -56,7 +56,8 @@ void main() {
   // A texel's side, at this distance.
   const mat4 rows = transpose(pc.clip_from_relative);
   const float ndc_a_texel = 1.0 / (pc.place.x * float(pc.size_px));
-  const float texel = ndc_a_texel / length(rows[0].xyz) * (parallel ? length(rows[2].xyz) : length(rows[3].xyz) * there);
+  const float texel =
+      ndc_a_texel / length(rows[0].xyz) * (parallel ? length(rows[2].xyz) : length(rows[3].xyz) * there);
   const vec2 part = is_solid ? vec2(0.0) : vec2(gl_FragCoord.z, there);
   out_range = vec4(part, is_solid ? gl_FragCoord.z : 0.0, DEEP_TEXELS * texel);
 #else
@@ -66,7 +67,8 @@ void main() {
   if (is_solid || there > range.solid || !(range.width > 0.0)) discard;
   const vec3 kept = min(taken, vec3(DEEP_SOLID));
   const vec3 absorbed = vec3(absorbance_of(kept.r), absorbance_of(kept.g), absorbance_of(kept.b));
-  const float mean = dot(absorbed, vec3(1.0 / 3.0)), place = clamp(deep_place(range, there, SLICES), 0.0, float(SLICES - 1));
+  const float mean = dot(absorbed, vec3(1.0 / 3.0));
+  const float place = clamp(deep_place(range, there, SLICES), 0.0, float(SLICES - 1));
   out_all = vec4(absorbed, 0.0);
   for (int i = 0; i < SLICES / 4; ++i) out_slices[i] = mean * deep_weights(place, 4 * i);
 #endif

@@ -29,8 +29,8 @@ DeepRange deep_range(vec4 stored, bool parallel) {
   }
   return r;
 }
-// Counted in slices, the first at 0. They are closer to each other near the light, where most of it is left: as a square
-// root has it, but for the first hundredth, where that is too steep to tell a surface from itself.
+// Counted in slices, the first at 0. They are closer to each other near the light, where most of it is left: as a
+// square root has it, but for the first hundredth, where that is too steep to tell a surface from itself.
 float deep_place(DeepRange r, float distance, int slices) {
   const float x = (distance - r.nearest) / r.width, e = 0.01, root = sqrt(e), all = sqrt(1.0 + e) - root;
   return (x > 0.0 ? sqrt(x + e) - root : x / (2.0 * root)) / all * float(slices - 1);

@@ -5,8 +5,9 @@
 // texels, which widens to 2.5 towards a cascade's edge, where the next one's texels are larger. The disc is stretched
 // by what the pixel covers of the surface, so that an edge finer than pixels is their mean and does not jump from one
 // to the next as the camera moves. The point is moved off its surface along the triangle's normal by as much as the
-// slope can differ within the reach of the disc (Holbert, "Saying Goodbye to Shadow Acne", 2011); along the pixel's part
-// each comparison is with the plane of the triangle there (Isidoro, "Shadow Mapping: GPU-based Tips and Techniques", 2006).
+// slope can differ within the reach of the disc (Holbert, "Saying Goodbye to Shadow Acne", 2011); along the pixel's
+// part each comparison is with the plane of the triangle there (Isidoro, "Shadow Mapping: GPU-based Tips and
+// Techniques", 2006).
 #include "lib/plane.glsl"
 #include "lib/sun_cascades.glsl"
 

@@ -36,14 +36,14 @@ vec2 across_light(uint sun, vec3 step) {
 // the disc of the search, no wider than a quarter of the map, tells.
 float soft_sun_visibility(uint sun, vec3 position, vec3 normal, float n_l, CascadePlace place) {
   SunShadowsRef suns = SunShadowsRef(pc.suns);
-  const RaySettings settings = RaySettingsRef(pc.rays).s;
-  const uint count = max(settings.sun_samples, 1u);
+  const uint count = max(RaySettingsRef(pc.rays).s.sun_samples, 1u);
   const vec4 depth_row = suns.s[sun].depth;
   const float per_metre = length(depth_row.xyz);  // of depth
+  const float tangent = suns.s[sun].tangent;
   const float before_m = max(1.0 - dot(depth_row, vec4(position, 1.0)), 0.0) / per_metre;
   float search_m = 0.0;
   while (true) {  // in a map that holds the whole disc
-    search_m = min(settings.sun_tangent * before_m, 0.25 * place.cascade.half_m);
+    search_m = min(tangent * before_m, 0.25 * place.cascade.half_m);
     const bool fits = place.to_edge * place.cascade.covered_m + search_m <= place.cascade.covered_m;
     if (fits || place.number + 1u >= suns.s[sun].cascade_count) break;
     ++place.number;
@@ -75,7 +75,7 @@ float soft_sun_visibility(uint sun, vec3 position, vec3 normal, float n_l, Casca
     nearer += stored - own;
   }
   if (blockers == 0.0) return 1.0;
-  const float radius_m = max(settings.sun_tangent * (nearer / (blockers * per_metre)), KERNEL_TEXELS * texel_m);
+  const float radius_m = max(tangent * (nearer / (blockers * per_metre)), KERNEL_TEXELS * texel_m);
   const Ellipse reach = ellipse_of(min(radius_m, search_m), across_light(sun, span.across),
       across_light(sun, span.down), max(search_m, MOST_KERNEL_TEXELS * texel_m));
   float lit = 0.0;
@@ -97,7 +97,7 @@ float sun_visibility(uint sun, vec3 position, vec3 normal) {
   if (!(n_l > 0.0)) return 0.0;
   const CascadePlace place = find_cascade(sun, position);
   if (place.number == max_sun_cascades) return 1.0;
-  if (SUNS_SOFT) return soft_sun_visibility(sun, position, normal, n_l, place);
+  if (SUNS_SOFT && suns.s[sun].tangent > 0.0) return soft_sun_visibility(sun, position, normal, n_l, place);
   const SunCascade cascade = place.cascade;
   const float radius = mix(KERNEL_TEXELS, WIDEST_KERNEL_TEXELS, clamp(2.0 * place.to_edge - 1.0, 0.0, 1.0));
   // The lookup reads texels up to radius + sqrt(2) away, whose depth on a plane differs by that times the tangent of

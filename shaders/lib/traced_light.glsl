@@ -90,7 +90,7 @@ LightCap light_cap(LightRef light, vec3 position) {
     cap.axis = -vec3(light_word(light, 2u), z_type.x);
     cap.centre_m = TRACE_FAR;
     cap.radius_m = 0.0;
-    cap.height = SUNS_SOFT ? RaySettingsRef(pc.rays).s.sun_height : 0.0;
+    cap.height = SUNS_SOFT ? light_word(light, 7u).y : 0.0;
     return cap;
   }
   const vec3 to_light = vec3(light_word(light, 0u), light_word(light, 1u).x) - position;

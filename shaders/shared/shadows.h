@@ -28,6 +28,7 @@ struct SunShadow {
   vec4 depth;  // reversed depth of a point is dot(depth, (point, 1)): 1 at the side of the light, 0 at the other
   float bias;  // of the depth, for what rounding does to it
   uint cascade_count, first_layer;
+  float tangent;                          // of the radius of its disc in the sky; 0: a point
   SunCascade cascades[max_sun_cascades];  // the finest first
 };
 
@@ -50,7 +51,7 @@ SHARED_END
 
 #ifdef __cplusplus
 namespace candela::shared {
-static_assert(sizeof(SunCascade) == 20 && sizeof(SunShadow) == 224 && offsetof(SunShadow, cascades) == 64);
+static_assert(sizeof(SunCascade) == 20 && sizeof(SunShadow) == 228 && offsetof(SunShadow, cascades) == 68);
 static_assert(sizeof(LampShadow) == 144 && offsetof(LampShadow, tiles) == 72);
 }  // namespace candela::shared
 #else

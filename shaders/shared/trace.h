@@ -85,7 +85,6 @@ struct TraceGeometry {
 struct RaySettings {
   float occlusion_radius_m, occlusion_fade_m, occlusion_strength;  // hidden by saturate((radius - distance) / fade)
   uint occlusion_rays, sun_samples, lamp_samples;
-  float sun_height, sun_tangent;  // of the suns' half angle: 1 - cos, and tan; 0: points
   uint seed;
 };
 
@@ -93,7 +92,7 @@ SHARED_END
 
 #ifdef __cplusplus
 namespace candela::shared {
-static_assert(sizeof(RaySettings) == 36);
+static_assert(sizeof(RaySettings) == 28);
 static_assert(sizeof(TraceScene) == 48 && sizeof(TraceGeometry) == 12 && sizeof(TraceNode) == 96 &&
               sizeof(TraceTriangle) == 48);
 static_assert(sizeof(TraceItem) == 12 && sizeof(TraceInstance) == 152 && sizeof(TraceCorners) == 36);

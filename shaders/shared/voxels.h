@@ -38,7 +38,7 @@ SHARED_END
 namespace candela::shared {
 inline constexpr uint voxel_tile_cells = 8, most_voxel_points = 8, voxel_lights_a_word = 16, voxel_grid_bytes = 64,
                       voxel_tile_bytes = 40;
-static_assert(sizeof(VoxelGrid) == 60 && sizeof(VoxelTile) == voxel_tile_bytes && sizeof(VoxelPush) == 72);
+static_assert(sizeof(VoxelGrid) == 52 && sizeof(VoxelTile) == voxel_tile_bytes && sizeof(VoxelPush) == 72);
 }  // namespace candela::shared
 #else
 const uint voxel_tile_cells = 8u, most_voxel_points = 8u, voxel_lights_a_word = 16u, voxel_grid_bytes = 64u,

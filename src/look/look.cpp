@@ -230,8 +230,10 @@ Row<Look> sky_row() {
       number_row<SkyLook>("intensity", from_zero(), &SkyLook::intensity, "times the radiance"),
       number_row<SkyLook>("blur_deg", between(0, 90), &SkyLook::blur_deg,
                           "degrees: standard deviation by which the background is blurred, not the light"),
-      flag_row<SkyLook>("extract_sun", &SkyLook::extract_sun,
-                        "the image's brightest spot becomes a directional light, with shadows"),
+      flag_row<SkyLook>(
+          "extract_sun", &SkyLook::extract_sun,
+          "the sun of its images becomes a directional light, with shadows: true the brightest spot narrow "
+          "enough for one, false none; without it what is a sun by its light, contrast and size"),
       text_row<SkyLook>("image", {}, &SkyLook::image, "as --sky takes it, from the look's folder"),
       gradient_row(),
       atmosphere_row(),
@@ -360,7 +362,7 @@ std::vector<std::string> switched_on(const Look& look) {
   add(sky.atmosphere.has_value(), "sky atmosphere");
   add(sky.second.has_value(), "second sky");
   add(sky.blur_deg > 0, "blurred background");
-  add(sky.extract_sun, "the sky image's sun as a light");
+  add(sky.extract_sun.value_or(false), "the sky image's sun as a light");
   add(look.bloom.has_value(), "bloom");
   add(look.occlusion.has_value(), "occlusion");
   add(look.reflections.has_value(), "reflections");

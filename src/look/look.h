@@ -91,11 +91,13 @@ struct SecondSky {
 // What the sky is, and how it stands and shines. At most one of image, gradient and atmosphere; an image of the command
 // line takes their place.
 struct SkyLook {
-  double rotation_deg = 0;   // about +Y, counter-clockwise seen from above
-  double intensity = 1;      // times the radiance
-  double blur_deg = 0;       // standard deviation by which the background is blurred; light is not
-  bool extract_sun = false;  // the image's brightest spot becomes a directional light, with shadows
-  std::string image;         // as the file names it
+  double rotation_deg = 0;  // about +Y, counter-clockwise seen from above
+  double intensity = 1;     // times the radiance
+  double blur_deg = 0;      // standard deviation by which the background is blurred; light is not
+  // The sun of its images becomes a directional light, with shadows: where there is one, never, or whatever is
+  // brightest.
+  std::optional<bool> extract_sun;
+  std::string image;  // as the file names it
   std::optional<SecondSky> second;
   std::optional<SkyGradient> gradient;
   std::optional<Atmosphere> atmosphere;

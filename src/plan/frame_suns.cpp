@@ -109,6 +109,7 @@ Expected<FrameSuns> plan_suns(const Scene& scene, const SurveyedFrame& frame, co
   for (const size_t light : suns) {
     const glm::dvec3 direction = glm::normalize(glm::dvec3(data.lights[light].direction));
     SunCascades cascades = fit_sun_cascades(direction, frame.view, fit, knobs, uint32_t(image.views.size()));
+    if (!data.lights[light].is_hard) cascades.shadow.tangent = float(std::tan(data.lights[light].radius_rad));
     out.shadows.push_back(cascades.shadow);
     out.lights.push_back(uint32_t(light));
     image.views.insert(image.views.end(), cascades.views.begin(), cascades.views.end());

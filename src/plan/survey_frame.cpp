@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "passes/occlusion/occlusion.h"
+#include "passes/shadows/sun_knobs.h"
 #include "passes/shared/light_knobs.h"
 #include "passes/surfaces/refraction.h"
 #include "passes/surfaces/terms.h"
@@ -87,7 +88,8 @@ Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext&
   f.pose = std::move(posed->pose), f.view = std::move(posed->view), f.data = std::move(posed->data);
   if (std::string note = clip_note(context.scene, job.animation); !note.empty()) f.notes.push_back(std::move(note));
   if (context.sky) f.sky = context.sky->at(f.request.look, f.data, f.notes);
-  add_sky_sun(f.sky, f.data);
+  f.sky.shows_suns = !context.face;
+  add_sky_suns(f.sky, f.data);
   f.request.look.sky.rotation_deg = f.sky.rotation_deg;  // a sky of air turns with its sun
   const bool refraction = f.request.wants_true(Refraction::effect);
   f.facts = survey(context.scene, f.pose, f.data, bool(f.sky), refraction);
@@ -98,6 +100,10 @@ Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext&
     add_neutral_light(f.view, f.data);
     f.facts = survey(context.scene, f.pose, f.data, false, refraction);
   }
+  size_suns(f.request.look, f.data);
+  if (!f.request.look.sun)
+    for (LightItem& light : f.data.lights)
+      light.is_hard = light.radius_rad < glm::radians(double(asked.knobs.get<SunKnobs>().soft_from_deg));
   if (auto fine = check_divided(f); !fine) return std::unexpected(fine.error());
   f.facts.image_light = f.facts.environment && f.facts.takes_light() && f.request.wants_true("ibl");
   if (f.request.draws_probes() && !f.request.neutral_light && f.facts.takes_light())

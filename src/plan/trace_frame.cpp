@@ -1,5 +1,6 @@
 #include "plan/trace_frame.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -17,8 +18,9 @@ namespace candela {
 namespace {
 
 // Of lights with a size: whether shading draws their shadows soft.
-bool soft_suns(const FrameRequest& request, const FrameSuns& suns, const SunKnobs& knobs) {
-  const bool sized = request.look.sun && request.look.sun->angular_radius_deg > 0;
+bool soft_suns(const FrameData& data, const FrameSuns& suns, const SunKnobs& knobs) {
+  const bool sized =
+      std::ranges::any_of(data.lights, [](const LightItem& light) { return light.radius_rad > 0 && !light.is_hard; });
   return sized && (suns.traced || (suns.image && knobs.soft == SunKnobs::pcss));
 }
 bool soft_lamps(const SceneFacts& facts, const FrameLamps& lamps, const LampKnobs& knobs) {
@@ -69,7 +71,7 @@ TracedFrame trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, con
                                                                           frame.request.open_sides, out.traced.tree);
   }
   TracedRays& traced = out.traced;
-  traced.soft_suns = soft_suns(frame.request, lit.suns, asked.knobs.get<SunKnobs>());
+  traced.soft_suns = soft_suns(frame.data, lit.suns, asked.knobs.get<SunKnobs>());
   traced.soft_lamps = soft_lamps(frame.facts, lit.lamps, asked.knobs.get<LampKnobs>());
   if (!out.rays && !traced.soft_suns && !traced.soft_lamps) return out;
   const uint32_t pictures = asked.knobs.get<Supersample::Knobs>().pictures();
@@ -83,11 +85,6 @@ TracedFrame trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, con
   s.occlusion_rays = traced.occlusion_rays = a_picture(occlusion.knobs.rays);
   s.sun_samples = traced.sun_samples = a_picture(asked.knobs.get<SunKnobs>().samples);
   s.lamp_samples = traced.lamp_samples = a_picture(asked.knobs.get<LampKnobs>().samples);
-  if (traced.soft_suns) {
-    const double angle = glm::radians(frame.request.look.sun->angular_radius_deg);
-    s.sun_height = float(2 * std::pow(std::sin(angle / 2), 2));
-    s.sun_tangent = float(std::tan(angle));
-  }
   s.seed = frame.request.still_seed;
   if (shades || texels || traced.soft_suns || traced.soft_lamps) out.ray_settings = {s};
   if (!out.rays) return out;

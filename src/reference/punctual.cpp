@@ -18,6 +18,7 @@ PunctualLight punctual_light(const LightItem& item, double least_m) {
   light.cos_inner = std::cos(double(item.inner_cone_rad));
   light.cos_outer = std::cos(double(item.outer_cone_rad));
   light.radius_m = item.radius_m;
+  light.radius_rad = item.radius_rad;
   light.least_m = least_m;
   return light;
 }

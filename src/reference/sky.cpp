@@ -117,14 +117,31 @@ glm::dvec3 Sky::radiance(glm::dvec3 d) const {
   if (kind_ == Kind::studio) return glm::dvec3(times_ * studio_radiance(in_image(d)));
   const glm::dvec3 gradient = times_ * gradient_at(d.y);
   if (texels_.empty()) return gradient;
+  const glm::dvec3 image = times_ * bilinear(d, [&](int x, int y) { return texel(x, y); });
+  return gradient_ ? gradient + image : image;
+}
+
+glm::dvec3 Sky::seen(glm::dvec3 d) const {
+  glm::dvec3 seen = radiance(d);
+  if (shown_.empty()) return seen;
+  seen += times_ * bilinear(d, [&](int x, int y) {
+            x = (x % image_width_ + image_width_) % image_width_, y = std::clamp(y, 0, image_height_ - 1);
+            const auto more = shown_.find(uint32_t(y) * uint32_t(image_width_) + uint32_t(x));
+            return more == shown_.end() ? glm::dvec3(0) : more->second;
+          });
+  return seen;
+}
+
+// Of texels of the image, about a direction of the world.
+template <class Texel>
+glm::dvec3 Sky::bilinear(glm::dvec3 d, Texel texel) const {
   d = in_image(d);
   const double x = (std::atan2(d.z, d.x) / (2 * pi) + 0.5) * image_width_ - 0.5;
   const double y = std::acos(std::clamp(d.y, -1.0, 1.0)) / pi * image_height_ - 0.5;
   const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
   const double fx = x - x0, fy = y - y0;
-  const glm::dvec3 image = times_ * glm::mix(glm::mix(texel(x0, y0), texel(x0 + 1, y0), fx),
-                                             glm::mix(texel(x0, y0 + 1), texel(x0 + 1, y0 + 1), fx), fy);
-  return gradient_ ? gradient + image : image;
+  return glm::mix(glm::mix(texel(x0, y0), texel(x0 + 1, y0), fx),
+                  glm::mix(texel(x0, y0 + 1), texel(x0 + 1, y0 + 1), fx), fy);
 }
 
 glm::dvec3 Sky::gradient_at(double sine) const {
@@ -152,7 +169,7 @@ glm::dvec3 Sky::blurred(glm::dvec3 d, double deviation_rad) const {
     const double u = (i + next()) / directions, phi = 2 * pi * next();
     const double less = -std::log1p(-(1 - u) * -std::expm1(-2 * kappa)) / kappa;  // 1 - cos(angle)
     const double across = std::sqrt(std::max(less * (2 - less), 0.0));
-    sum += radiance(glm::normalize((1 - less) * d + across * (std::cos(phi) * x + std::sin(phi) * y)));
+    sum += seen(glm::normalize((1 - less) * d + across * (std::cos(phi) * x + std::sin(phi) * y)));
   }
   return sum / double(directions);
 }

@@ -2,6 +2,7 @@
 #include <glm/glm.hpp>
 #include <optional>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "image/io.h"
@@ -31,6 +32,9 @@ class Sky {
 
   explicit operator bool() const { return kind_ != Kind::none; }
   glm::dvec3 radiance(glm::dvec3 direction) const;  // direction of unit length
+  // What the background shows more of a texel, row by row, of the image; it lights nothing.
+  void show(uint32_t texel, glm::dvec3 more) { shown_[texel] += more; }
+  glm::dvec3 seen(glm::dvec3 direction) const;  // radiance() and that
   // What the camera sees where the background is blurred: the mean under exp(cos(angle) / deviation^2), estimated from
   // some directions about this one, other ones for each direction.
   glm::dvec3 blurred(glm::dvec3 direction, double deviation_rad) const;
@@ -49,6 +53,8 @@ class Sky {
   enum class Kind { none, linear, image, sum, studio };
   void make_distribution(int width, int height);
   glm::dvec3 texel(int x, int y) const;
+  template <class Texel>
+  glm::dvec3 bilinear(glm::dvec3 direction, Texel texel) const;
   glm::dvec3 gradient_at(double sine) const;
   double solid_angle(int row) const;
   glm::ivec2 cell_of(glm::dvec3 direction) const;
@@ -59,6 +65,7 @@ class Sky {
   double turn_cos_ = 1, turn_sin_ = 0, times_ = 1;
   int image_width_ = 0, image_height_ = 0;
   std::vector<glm::vec3> texels_;
+  std::unordered_map<uint32_t, glm::dvec3> shown_;
   std::optional<SkyGradient> gradient_;
   double gradient_weight_ = 0;
   int width_ = 0, height_ = 0;                // of the distribution

@@ -170,7 +170,7 @@ RayDifferential World::camera_steps(int width_px, int height_px) const {
 glm::dvec4 World::background(glm::dvec3 direction) const {
   if (!input_.sky_visible) return input_.background;
   const glm::dvec3 d = glm::normalize(direction);
-  return {input_.sky_blur_rad > 0 ? input_.sky.blurred(d, input_.sky_blur_rad) : input_.sky.radiance(d), 1};
+  return {input_.sky_blur_rad > 0 ? input_.sky.blurred(d, input_.sky_blur_rad) : input_.sky.seen(d), 1};
 }
 
 bool World::is_masked(uint32_t item) const { return items_[item].material->material.alpha_mode == AlphaMode::mask; }

@@ -39,7 +39,6 @@ struct WorldInput {
   std::optional<Occlusion> occlusion{};  // in direct, what is farther off does not hide the sky; path knows no such end
   bool reflections = false;              // in direct, opaque surfaces reflect each other; path knows nothing else
   bool open_sides = false;               // light passes single-sided faces from behind (--sides)
-  double sun_radius_rad = 0;             // of every directional light's disc in the sky; 0: points, with hard shadows
 };
 
 // A ray with directions in double; the acceleration structure gets it rounded.

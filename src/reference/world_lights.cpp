@@ -36,7 +36,6 @@ void World::add_lights() {
   for (const LightItem& item : input_.frame.lights) {
     const uint32_t index = uint32_t(punctual_.size());
     punctual_.push_back(punctual_light(item, least_light_m));
-    if (item.type == LightType::directional) punctual_.back().radius_rad = input_.sun_radius_rad;
     has_sized_lights_ |= punctual_.back().has_size();
     if (item.type == LightType::directional) {
       directional_.push_back(index);

@@ -27,15 +27,31 @@ glm::dvec4 background_of(const std::string& text) {
   return {r, g, b, a};
 }
 
+// Suns are lights, and the background shows them where the images had them.
+void show_suns(reference::Sky& traced, const FrameSky& sky) {
+  for (const SkyPart& part : sky.parts)
+    for (const SkyTexelBefore& before : part.image->sun_texels) {
+      glm::vec3 left;
+      std::memcpy(&left, part.image->image.pixels.data() + size_t(before.place) * 16, 12);
+      traced.show(before.place, glm::dvec3(part.weight) * glm::dvec3(before.radiance - left));
+    }
+}
+
 // Gradients by their formula; the rest by its images.
 reference::Sky traced_sky(const FrameSky& sky) {
   const double turn = glm::radians(sky.rotation_deg);
   if (sky.studio) return reference::Sky::studio(turn, sky.intensity);
-  if (sky.is_plain() && !sky.gradient) return reference::Sky(sky.parts[0].image->image, turn, sky.intensity);
+  if (sky.is_plain() && !sky.gradient) {
+    reference::Sky plain(sky.parts[0].image->image, turn, sky.intensity);
+    show_suns(plain, sky);
+    return plain;
+  }
   std::vector<reference::Sky::Part> parts;
   for (const SkyPart& part : sky.parts)
     if (!part.of_gradient) parts.push_back({&part.image->image, glm::dvec3(part.weight)});
-  return reference::Sky::sum(parts, sky.gradient, sky.gradient_weight, turn, sky.intensity);
+  reference::Sky sum = reference::Sky::sum(parts, sky.gradient, sky.gradient_weight, turn, sky.intensity);
+  show_suns(sum, sky);
+  return sum;
 }
 
 Expected<Look> look_at(const ReferenceScene& loaded, double time_s) {
@@ -196,9 +212,8 @@ Expected<std::unique_ptr<ReferenceFrame>> pose_reference(std::shared_ptr<const R
   input.volumetric = frame->look.volumetric;
   input.occlusion = frame->look.occlusion;
   input.reflections = frame->look.reflections.has_value() || !frame->look.probes.empty();
-  if (frame->look.sun) input.sun_radius_rad = glm::radians(frame->look.sun->angular_radius_deg);
   if (const FrameSky sky = frame->loaded->sky->at(frame->look, frame->data, frame->notes)) {
-    add_sky_sun(sky, frame->data);
+    add_sky_suns(sky, frame->data);
     input.sky = traced_sky(sky);
     input.ambient_sh = sky.ambient();
     input.sky_visible = !sky.studio;
@@ -210,6 +225,7 @@ Expected<std::unique_ptr<ReferenceFrame>> pose_reference(std::shared_ptr<const R
     frame->notes.push_back(
         "the scene has no light and no sky is given: a neutral light is used so that it is seen (--sky sets one)");
   }
+  size_suns(frame->look, frame->data);
   if (any_fog(frame->look, is_endless))
     frame->notes.push_back(
         "the fog has neither falloff nor bounds: sun, sky and background lie behind all of it and give no light");

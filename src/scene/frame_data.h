@@ -44,6 +44,8 @@ struct LightItem {  // a light in relative space
   // Not 0: it stands for lights that end, and gives what they no longer do: by the range's window, less that of a range
   // of inner_m (plan/stand_ins.h).
   float inner_m = 0;
+  double radius_rad = 0;  // of a directional light's disc in the sky; 0: a point
+  bool is_hard = false;   // so narrow a disc that its shadows are those of a point
 };
 
 // The light instances of a node, which a compute pass poses; in the frame's list they stand together.

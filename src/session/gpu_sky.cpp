@@ -47,7 +47,9 @@ void GpuSky::load(const PlannedFrame& frame, shared::FrameConstants& c,
   c.sky_texture = c.sky_background = shared::absent;
   if (!frame.sky) return;
   const Hash128 key = frame.sky.key();
-  if (!picture_ || picture_->key != key || picture_->blur_deg != frame.sky.blur_deg) picture_ = make_picture(frame.sky);
+  if (!picture_ || picture_->key != key || picture_->blur_deg != frame.sky.blur_deg ||
+      picture_->shows_suns != frame.sky.shows_suns)
+    picture_ = make_picture(frame.sky);
   keep.push_back(picture_);
   c.sky_texture = picture_->image_index, c.sky_background = picture_->background_index;
   c.sky_sampler = bindless_.add_sampler(image_sampler());
@@ -61,7 +63,7 @@ void GpuSky::load(const PlannedFrame& frame, shared::FrameConstants& c,
 
 std::shared_ptr<GpuSky::Picture> GpuSky::make_picture(const FrameSky& sky) {
   auto made = std::make_shared<Picture>(bindless_);
-  made->key = sky.key(), made->blur_deg = sky.blur_deg;
+  made->key = sky.key(), made->blur_deg = sky.blur_deg, made->shows_suns = sky.shows_suns;
   const DecodedImage summed = sky.is_plain() ? DecodedImage{} : sum_of(sky.parts);
   const DecodedImage& image = sky.is_plain() ? sky.parts[0].image->image : summed;
   gpu::Uploader uploader(device_);
@@ -72,8 +74,12 @@ std::shared_ptr<GpuSky::Picture> GpuSky::make_picture(const FrameSky& sky) {
     return made->add(texture);
   };
   made->background_index = made->image_index = load(made->image, image, "sky");
-  if (sky.blur_deg > 0)
-    made->background_index = load(made->blurred, blurred_sky(image, glm::radians(sky.blur_deg)), "sky.blurred");
+  const bool apart = sky.shows_suns && !sky.suns.empty();
+  if (apart || sky.blur_deg > 0) {
+    DecodedImage seen = apart ? seen_sum_of(sky.parts) : image;
+    if (sky.blur_deg > 0) seen = blurred_sky(seen, glm::radians(sky.blur_deg));
+    made->background_index = load(made->background, seen, "sky.background");
+  }
   made->size_px = {image.width, image.height};
   uploader.flush();
   return made;

@@ -43,9 +43,10 @@ class GpuSky {
   };
   struct Picture : Indexed {
     using Indexed::Indexed;
-    gpu::Texture image, blurred;
+    gpu::Texture image, background;
     Hash128 key;
     double blur_deg = 0;
+    bool shows_suns = true;
     uint32_t image_index = shared::absent, background_index = shared::absent;
     glm::vec2 size_px{0};
   };

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <numbers>
+#include <span>
 
 #include "base/check.h"
 #include "base/input.h"
@@ -18,7 +20,6 @@
 #include "scene/neutral_light.h"
 #include "scene/scene_images.h"
 #include "scene/studio.h"
-#include "sky/sky_lights.h"
 #include "sky/sky_pyramid.h"
 
 namespace candela {
@@ -85,6 +86,18 @@ std::shared_ptr<const SkyImage> as_part(DecodedImage image, std::optional<Decode
   part->content = hash128(fmt::format("{}x{} {}", image.width, image.height, hash128(image.pixels).hex()));
   part->image = std::move(image);
   return part;
+}
+
+// Decided by the image alone, and so once for all frames. Without word of the look what is a sun by its light, contrast
+// and size; asked for, the brightest spot that is narrow enough.
+std::shared_ptr<const SkyImage> as_part_without_sun(DecodedImage image, std::optional<bool> wanted) {
+  std::optional<SkySun> sun = wanted.value_or(true) ? find_sun(image) : std::nullopt;
+  if (!sun || !(wanted ? sun->is_narrow() : sun->is_sun())) return as_part(std::move(image));
+  std::vector<SkyTexelBefore> before = take_sun(image, *sun);
+  SkyImage part = *as_part(std::move(image));
+  part.content = hash128(fmt::format("{} {}", part.content.hex(), hash128(std::as_bytes(std::span(before))).hex()));
+  part.sun = std::move(sun), part.sun_texels = std::move(before);
+  return std::make_shared<const SkyImage>(std::move(part));
 }
 
 glm::vec4 texel(const DecodedImage& image, int x, int y) {
@@ -154,6 +167,20 @@ DecodedImage sum_of(const std::vector<SkyPart>& parts) {
   return out;
 }
 
+DecodedImage seen_sum_of(const std::vector<SkyPart>& parts) {
+  DecodedImage out = sum_of(parts);
+  const auto texel_of = [&](uint32_t place) { return out.pixels.data() + size_t(place) * 16; };
+  for (const SkyPart& part : parts)
+    for (const SkyTexelBefore& before : part.image->sun_texels) {
+      glm::vec3 left, sum;
+      std::memcpy(&left, part.image->image.pixels.data() + size_t(before.place) * 16, 12);
+      std::memcpy(&sum, texel_of(before.place), 12);
+      sum = parts.size() == 1 ? part.weight * before.radiance : sum + part.weight * (before.radiance - left);
+      std::memcpy(texel_of(before.place), &sum, 12);
+    }
+  return out;
+}
+
 bool has_sky(const Job& job, const Look& look) {
   const Source source = source_of(job, look);
   return (source != Source::none && source != Source::studio) || has_second(job, look);
@@ -204,12 +231,14 @@ Expected<JobSky> JobSky::read(const Job& job, const Look& look, const Scene& sce
     auto image = read_environment(file, warnings, *bytes);
     if (!image) return std::unexpected(image.error());
     *bytes += uint64_t(image->pixels.size()) / 3 * 4;
-    if (look.sky.extract_sun && source == Source::file && images.empty()) sky.take_sun(*image);
     sky.width_ = std::max(sky.width_, image->width), sky.height_ = std::max(sky.height_, image->height);
     images.push_back(std::move(*image));
   }
-  if (source == Source::file) sky.image_ = as_part(enlarged(images.front(), sky.width_, sky.height_));
-  if (has_second(job, look)) sky.second_ = as_part(enlarged(images.back(), sky.width_, sky.height_));
+  const auto part = [&](const DecodedImage& image) {
+    return as_part_without_sun(enlarged(image, sky.width_, sky.height_), look.sky.extract_sun);
+  };
+  if (source == Source::file) sky.image_ = part(images.front());
+  if (has_second(job, look)) sky.second_ = part(images.back());
   // Without images: gradients do not depend on the longitude, and air is smooth but for the horizon.
   if (images.empty() && source == Source::gradient) sky.width_ = 4, sky.height_ = 512;
   if (images.empty() && source == Source::atmosphere) sky.width_ = atmosphere_width, sky.height_ = atmosphere_width / 2;
@@ -220,30 +249,22 @@ Expected<JobSky> JobSky::read(const Job& job, const Look& look, const Scene& sce
   return sky;
 }
 
-// The brightest spot of the image, narrow enough to be a sun, and the image without it.
-void JobSky::take_sun(DecodedImage& image) {
-  const SkyLevel all = sky_level(image);
-  const SkyParts parts = take_lights(all, 1);
-  if (parts.lights.empty()) return;
-  double sum = 0;
-  for (int y = 0; y < all.height; ++y)
-    for (int x = 0; x < all.width; ++x) sum += luminance(all.at(x, y)) * all.solid_angle(y);
-  const shared::SkyLight& light = parts.lights[0];
-  sun_ = FrameSky::Sun{glm::dvec3(light.direction), glm::dvec3(light.illuminance)};
-  sun_share_ = luminance(SkyTexel{light.illuminance.x, light.illuminance.y, light.illuminance.z, 0}) / sum;
-  image.width = all.width, image.height = all.height;
-  const auto bytes = std::as_bytes(std::span(parts.rest.texels));
-  image.pixels.assign(bytes.begin(), bytes.end());
+void add_sky_suns(const FrameSky& sky, FrameData& data) {
+  for (const FrameSky::Sun& sun : sky.suns) {
+    LightItem light{};
+    light.type = LightType::directional;
+    light.direction = glm::vec3(-sun.direction);
+    light.intensity = glm::vec3(sun.illuminance);
+    light.range_m = std::numeric_limits<float>::infinity();
+    light.radius_rad = sun.radius_rad;
+    data.lights.push_back(light);
+  }
 }
 
-void add_sky_sun(const FrameSky& sky, FrameData& data) {
-  if (!sky.sun) return;
-  LightItem light{};
-  light.type = LightType::directional;
-  light.direction = glm::vec3(-sky.sun->direction);
-  light.intensity = glm::vec3(sky.sun->illuminance);
-  light.range_m = std::numeric_limits<float>::infinity();
-  data.lights.push_back(light);
+void size_suns(const Look& look, FrameData& data) {
+  if (!look.sun) return;
+  for (LightItem& light : data.lights)
+    if (light.type == LightType::directional) light.radius_rad = glm::radians(look.sun->angular_radius_deg);
 }
 
 std::optional<glm::dvec3> first_sun(const FrameData& data) {
@@ -282,6 +303,32 @@ void JobSky::keep(std::string key, std::shared_ptr<const SkyImage> image) const 
   if (made_.size() > most) made_.erase(made_.begin());
 }
 
+// By what the image says alone, so that all frames of a film say the same.
+void JobSky::add_suns(FrameSky& sky, const Look& look, std::vector<std::string>& notes) const {
+  for (const SkyPart& part : sky.parts) {
+    const bool is_first = part.image == image_;
+    const std::string_view whose = is_first ? "the sky image" : "the second sky image";
+    const std::optional<SkySun>& sun = part.image->sun;
+    if (!sun) {
+      if (look.sky.extract_sun.value_or(false))
+        notes.push_back(
+            fmt::format("{} has no spot that is bright and narrow enough for a sun: none is taken out", whose));
+      continue;
+    }
+    notes.push_back(
+        fmt::format("{}'s sun is a directional light: {:.1f} degrees up, {:.2f} wide, {:.0f} % of the light on a "
+                    "surface that faces "
+                    "it (sky.extract_sun of the look: false leaves it in the image)",
+                    whose, glm::degrees(std::asin(glm::clamp(sun->direction.y, -1.0, 1.0))),
+                    glm::degrees(2 * sun->radius_rad), 100 * sun->share));
+    const double turn = glm::radians(sky.rotation_deg), c = std::cos(turn), s = std::sin(turn);
+    const glm::dvec3 d = sun->direction;
+    const glm::dvec3 illuminance = glm::dvec3(part.weight) * sky.intensity * sun->illuminance;
+    if (illuminance != glm::dvec3(0))
+      sky.suns.push_back({{c * d.x + s * d.z, d.y, c * d.z - s * d.x}, illuminance, sun->radius_rad});
+  }
+}
+
 FrameSky JobSky::at(const Look& look, const FrameData& data, std::vector<std::string>& notes) const {
   FrameSky sky;
   sky.rotation_deg = look.sky.rotation_deg, sky.intensity = look.sky.intensity, sky.blur_deg = look.sky.blur_deg;
@@ -301,22 +348,9 @@ FrameSky JobSky::at(const Look& look, const FrameData& data, std::vector<std::st
     if (weight > 0 || first_ == First::none)
       sky.parts.push_back({second_, glm::vec3(float(weight * second.intensity))});
   }
+  if (first > 0 && first_ == First::image) sky.parts.insert(sky.parts.begin(), {image_, glm::vec3(first)});
+  add_suns(sky, look, notes);
   if (!(first > 0)) return sky;
-  if (first_ == First::image) {
-    sky.parts.insert(sky.parts.begin(), {image_, glm::vec3(first)});
-    if (look.sky.extract_sun && !sun_)
-      notes.emplace_back("the sky image has no spot that is bright and narrow enough for a sun: none is taken out");
-    if (look.sky.extract_sun && sun_) {
-      const double turn = glm::radians(sky.rotation_deg), c = std::cos(turn), s = std::sin(turn);
-      const glm::dvec3 d = sun_->direction;
-      sky.sun =
-          FrameSky::Sun{{c * d.x + s * d.z, d.y, c * d.z - s * d.x}, double(first) * sky.intensity * sun_->illuminance};
-      notes.push_back(fmt::format(
-          "the sky image's sun is a directional light: {:.1f} degrees up, {:.4g} lux, {:.1f} % of the image's light",
-          glm::degrees(std::asin(glm::clamp(d.y, -1.0, 1.0))),
-          glm::dot(sky.sun->illuminance, glm::dvec3(0.2126, 0.7152, 0.0722)), 100 * sun_share_));
-    }
-  }
   if (first_ == First::studio) {
     sky.parts.insert(sky.parts.begin(), {image_, glm::vec3(first)});
     sky.studio = true;

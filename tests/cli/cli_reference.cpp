@@ -6,8 +6,10 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <set>
 
+#include "image/exr.h"
 #include "image/io.h"
 #include "program.h"
 
@@ -48,6 +50,47 @@ TEST(Reference, WritesBothFormatsWithLayersAndMetadata) {
   EXPECT_EQ(candela(traced(folder / "n.exr", {"--spp", "4", "--layers", "none"})).code, 0);
   const Ended same = candela({"compare", folder / "v.exr", folder / "n.exr", "--limit", "max=0"});
   EXPECT_EQ(same.code, 0) << same.err;
+}
+
+// The sun of a sky image is a light in both modes: the picture's light is that of the image with the sun in it, and
+// the background is the same to the bit.
+TEST(Reference, TheSunOfASkyImageIsALight) {
+  const TestFolder folder;
+  FloatImage sky;
+  sky.width = 128, sky.height = 64;
+  for (const char* channel : {"R", "G", "B"}) {
+    sky.channels.push_back({channel, ChannelType::float32, {}, {}});
+    for (int i = 0; i < sky.width * sky.height; ++i)
+      sky.channels.back().f.push_back(i == 20 * sky.width + 90 || i == 20 * sky.width + 91 ? 600 : 0.5f);
+  }
+  const auto bytes = encode_exr(sky, ExrCompression::zip, "sky");
+  ASSERT_TRUE(bytes);
+  std::ofstream(folder / "sky.exr", std::ios::binary).write(bytes->data(), long(bytes->size()));
+  std::ofstream(folder / "kept.json") << R"({"sky": {"extract_sun": false}})";
+  std::ofstream(folder / "taken.json") << R"({"sky": {"extract_sun": true}})";
+  const std::string plain = scene("instanced");
+  for (const std::string mode : {"direct", "path"}) {
+    double mean[2], suns[2];  // the scene has a sun of its own
+    std::vector<float> background[2];
+    for (const bool taken : {false, true}) {
+      const std::string out = folder / (mode + (taken ? "_taken.exr" : "_kept.exr"));
+      const Ended ended = candela({"reference", plain, "--size", "48x32", "--spp", "64", "--mode", mode, "--sky",
+                                   folder / "sky.exr", "--look", folder / (taken ? "taken.json" : "kept.json"), "-o",
+                                   out, "--exr-type", "float", "--layers", "background,ambient_diffuse,direct_sun"});
+      ASSERT_EQ(ended.code, 0) << ended.err;
+      EXPECT_EQ(ended.err.find("sun is a directional light") != std::string::npos, taken) << ended.err;
+      const auto image = read_image(out);
+      ASSERT_TRUE(image);
+      const auto& green = image->find("G")->f;
+      mean[taken] = std::accumulate(green.begin(), green.end(), 0.0) / double(green.size());
+      background[taken] = image->find("background.G")->f;
+      const auto& sun = image->find("direct_sun.G")->f;
+      suns[taken] = std::accumulate(sun.begin(), sun.end(), 0.0);
+    }
+    EXPECT_NEAR(mean[1], mean[0], 0.02 * mean[0]) << mode;
+    EXPECT_GT(suns[1], 1.2 * suns[0]) << mode;
+    EXPECT_EQ(background[1], background[0]) << mode;
+  }
 }
 
 // --footprints: within the squares of a textured scene 4 samples a pixel are nearer to 256 than points are. The file

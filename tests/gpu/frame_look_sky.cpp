@@ -229,7 +229,7 @@ TEST_F(FrameLookSky, AirOfANightIsBlackAndFinite) {
   for (const glm::vec4& p : night["beauty"].values<glm::vec4>()) ASSERT_EQ(p, glm::vec4(0, 0, 0, 1));
 }
 
-// The light of a square stays what it was, now with a shadow; what is seen lacks the spot.
+// The light of a square stays what it was, now with a shadow; the background shows the spot as before.
 TEST_F(FrameLookSky, TakesTheSunOutOfTheImage) {
   const glm::dvec3 sun = glm::normalize(glm::dvec3(0.2, 0.8, 0.6));
   const auto radiance = [&](glm::dvec3 d) {
@@ -240,7 +240,7 @@ TEST_F(FrameLookSky, TakesTheSunOutOfTheImage) {
   for (const double turn_deg : {0.0, 70.0}) {
     job.effects = "ibl";
     const std::string turn = fmt::format(R"("rotation_deg": {}, "intensity": 0.5)", turn_deg);
-    job.look = write_look(R"({"sky": {)" + turn + "}}");
+    job.look = write_look(R"({"sky": {"extract_sun": false, )" + turn + "}}");
     const Images whole = images_of(job);
     job.look = write_look(R"({"sky": {"extract_sun": true, )" + turn + "}}");
     const auto session = open(job);
@@ -253,19 +253,51 @@ TEST_F(FrameLookSky, TakesTheSunOutOfTheImage) {
     ASSERT_FALSE(frame.notes.empty());
     EXPECT_NE(frame.notes[0].find("the sky image's sun is a directional light"), std::string::npos);
   }
-  // Seen, the spot is gone; shadowed, only the rest of the sky is left.
   Job seen = job_of(Body::none, "");
   seen.sky = job.sky;
   FrameTest::look(seen, {0, 0, 0}, sun, 20);
-  EXPECT_GT(images_of(seen)["beauty"].at<glm::vec4>(width / 2, height / 2).x, 800);
+  seen.look = write_look(R"({"sky": {"extract_sun": false}})");
+  const Images of_image = images_of(seen);
+  EXPECT_GT(of_image["beauty"].at<glm::vec4>(width / 2, height / 2).x, 800);
   seen.look = write_look(R"({"sky": {"extract_sun": true}})");
-  EXPECT_LT(images_of(seen)["beauty"].at<glm::vec4>(width / 2, height / 2).x, 30);
+  EXPECT_EQ(images_of(seen)["beauty"], of_image["beauty"]);
   job.look = seen.look;
   job.effects = "none";
   job.sky = ::testing::TempDir() + write_sky("plain", 16, [](glm::dvec3) { return glm::dvec3(1); });
   const auto session = open(job);
   ASSERT_TRUE(session);
   EXPECT_NE(render(*session).notes[0].find("no spot"), std::string::npos);
+}
+
+// Each of two images has its own sun, which fades with it; all frames say the same.
+TEST_F(FrameLookSky, SunsOfTwoImagesFadeApart) {
+  const auto with_sun = [](glm::dvec3 sun, glm::dvec3 rest) {
+    return [=](glm::dvec3 d) { return glm::dot(d, sun) > std::cos(0.02) ? glm::dvec3(2000) : rest; };
+  };
+  const glm::dvec3 low = glm::normalize(glm::dvec3(0.5, 0.5, 0.6)), high = glm::normalize(glm::dvec3(-0.3, 0.8, 0.5));
+  Job job = job_of(Body::diffuse, "");
+  job.sky = ::testing::TempDir() + write_sky("day", 128, with_sun(low, glm::dvec3(0.2, 0.3, 0.5)));
+  const std::string second = write_sky("evening", 128, with_sun(high, glm::dvec3(0.3, 0.1, 0.05)));
+  job.effects = "ibl";
+  for (const double weight : {0.0, 0.3, 1.0}) {
+    const auto look = [&](const std::string& keeps) {
+      return write_look(fmt::format(R"({{"sky": {{{} "second": {{"image": "{}", "weight": {}, "intensity": 0.5}}}}}})",
+                                    keeps, second, weight));
+    };
+    job.look = look(R"("extract_sun": false,)");
+    const Images whole = images_of(job);
+    job.look = look("");
+    const auto session = open(job);
+    ASSERT_TRUE(session);
+    const FrameResult frame = render(*session);
+    const Images divided = images(frame);
+    const glm::vec4 a = whole["beauty"].at<glm::vec4>(width / 2, height / 2),
+                    b = divided["beauty"].at<glm::vec4>(width / 2, height / 2);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(b[c], a[c], 0.02 * a[c]) << weight << " " << c;
+    int suns = 0;
+    for (const std::string& note : frame.notes) suns += note.find("sun is a directional light") != std::string::npos;
+    EXPECT_EQ(suns, weight == 0 || weight == 1 ? 1 : 2);
+  }
 }
 
 // The light that was a spot of the image stands in the way of: behind a small square the floor has the rest of the
@@ -293,9 +325,9 @@ TEST_F(FrameLookSky, TheExtractedSunCastsShadows) {
               y = int((1 - glm::dot(to, up) / depth / tan_y) * height / 2);
     return double(picture["beauty"].at<glm::vec4>(x, y).x);
   };
-  job.look = write_look(R"({"sky": {}})");
+  job.look = write_look(R"({"sky": {"extract_sun": false}})");
   const Images whole = images_of(job);
-  job.look = write_look(R"({"sky": {"extract_sun": true}})");
+  job.look.clear();  // without a word of the look
   const Images divided = images_of(job);
   // The image's uppermost row alone lies in the spot; irradiance over pi.
   const double spot = 900 * 2 * (1 - std::cos(std::numbers::pi / 128));

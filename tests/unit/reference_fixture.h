@@ -61,11 +61,12 @@ inline std::unique_ptr<TestWorld> make_world(const GltfBuilder& builder, const T
   if (!view) return nullptr;
   t->view = *view;
   t->frame = make_frame_data(t->scene, t->pose, t->view);
+  for (LightItem& light : t->frame.lights)
+    if (light.type == LightType::directional) light.radius_rad = sun_radius_rad;
   WorldInput input{t->scene, t->pose, t->view, t->frame};
   input.sky = std::move(sky), input.sky_visible = sky_visible, input.background = background, input.glass = glass;
   input.fog = fog;
   input.more_fog = std::move(more_fog);
-  input.sun_radius_rad = sun_radius_rad;
   input.occlusion = occlusion;
   t->world = std::make_unique<World>(input, t->warnings);
   EXPECT_TRUE(t->warnings.empty());

@@ -16,6 +16,7 @@ struct SunKnobs {
   int mode = int(SunMode::cascades);
   int soft = pcss;
   int samples = 16;
+  float soft_from_deg = 1;
   int cascades = 5;
   int size_px = 2048;
   int single_px = 4096;

@@ -178,6 +178,7 @@ void add_suns_of_images(Recipes& all) {
   spot("sun on the image's seam", "", [](int x, int y) { return y == 9 && (x == 0 || x == 63); });
   spot("two suns", "as bright as each other", [](int x, int y) { return y == 9 && (x == 10 || x == 40); });
   spot("a sky that is all sun", "too wide for a light", [](int, int) { return true; });
+  spot("sun cut by the horizon", "the row above it", [](int x, int y) { return y == 15 && (x == 30 || x == 31); });
   spot(
       "a sun of 1e30", "", [](int x, int y) { return y == 9 && x == 20; }, 1e30f);
 }

@@ -45,7 +45,7 @@ void put_material(Material v) {
 }
 void put_light(Light v) {
   put(v.position); put(v.inverse_range); put(v.direction); put(v.type); put(v.spot_scale); put(v.spot_offset);
-  put(v.intensity); put(v.shadow); put(v.radius_m); put(v.unused);
+  put(v.intensity); put(v.shadow); put(v.radius_m); put(v.sun_height);
 }
 void put_fog(FogMedium v) {
   put(v.extinction); put(v.falloff); put(v.scattering); put(v.height); put(v.glow); put(v.anisotropy);

@@ -1,6 +1,13 @@
 #version 460
+#ifdef LAMPS
+#extension GL_ARB_shader_viewport_layer_array : require
+#endif
 #include "shared/draw.h"
+#ifdef LAMPS
+layout(push_constant, scalar) uniform Push { DepthLampPush pc; };
+#else
 layout(push_constant, scalar) uniform Push { DepthViewPush pc; };
+#endif
 #include "lib/features.glsl"
 #include "lib/scene.glsl"
 #include "lib/vertex_position.glsl"
@@ -14,10 +21,16 @@ layout(location = 3) centroid out vec4 out_color;
 void main() {
   const Item item = load_item(gl_InstanceIndex);
   const Geometry g = load_geometry(item.geometry);
+#ifdef LAMPS
+  gl_Layer = int(pc.layer);
+  gl_Position =
+      lamp_clip(pc.clip_from_relative, position_about(pc.origin, pc.origin_rest, item, g, gl_VertexIndex));
+#else
   gl_Position = pc.clip_from_relative * vec4(relative_position(item, g, gl_VertexIndex), 1.0);
   // What lies before the near plane is flattened onto it. Not where the view is perspective: triangles that cross the
   // plane of the eye would be bent; such a view begins so near that nothing lies before it (shared/shadows.h).
   if (pc.flattens != 0u) gl_Position.z = min(gl_Position.z, gl_Position.w);
+#endif
   if (IS_MASKED != 0) {
     const uint v = gl_VertexIndex;
     out_material = item.material;

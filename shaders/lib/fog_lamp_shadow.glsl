@@ -1,6 +1,6 @@
 #pragma once
-// Whether a point of the air sees a lamp, from its depth maps: one comparison, linear between four texels. The air has
-// no plane that could darken itself, so nothing but rounding is left for a bias. Needs pc.lamps and pc.lamp_maps.
+// Whether a point of the air sees a lamp, from its depth maps: linear between the comparisons with four texels. The air
+// has no plane that could darken itself, so nothing but rounding is left for a bias. Needs pc.lamps and pc.lamp_maps.
 #include "lib/image_kinds.glsl"
 #include "lib/lamp_face.glsl"
 
@@ -22,9 +22,12 @@ float fog_lamp_visibility(uint maps, vec3 position) {
   if (maps == no_light || !(z > lamp_near_m) || tile.z < 0.0) return 1.0;
   const float most = lamps.s[lamp].most_tangent;
   const vec2 tangent = clamp(vec2(dot(side.right, q), -dot(side.up, q)) / z, vec2(-most), vec2(most));
-  const vec2 uv = (tile.xy + tangent / lamps.s[lamp].texel_tangent) * lamps.s[lamp].uv_per_texel;
+  // From the tile's middle: where the tile is must not matter to the last bit.
+  const vec2 place = tangent / lamps.s[lamp].texel_tangent - 0.5, whole = floor(place), f = place - whole;
+  const vec2 corner = (tile.xy + whole + 1.0) * lamps.s[lamp].uv_per_texel;
   const float bias = lamps.s[lamp].bias_m / z + 9.5367432e-7;
-  return textureGrad(
-      sampler2DArrayShadow(pass_array_images[pc.lamp_maps], graph_shadow_samplers[SAMPLER_SHADOW_LINEAR]),
-      vec4(uv, tile.z, min(lamp_near_m / z * (1.0 + bias), 1.0)), vec2(0.0), vec2(0.0));
+  const vec4 stored = textureGather(
+      sampler2DArray(pass_array_images[pc.lamp_maps], graph_samplers[SAMPLER_NEAREST_CLAMP]), vec3(corner, tile.z));
+  const vec4 lit = vec4(greaterThanEqual(vec4(lamp_near_m / z * (1.0 + bias)), stored));
+  return mix(mix(lit.w, lit.z, f.x), mix(lit.x, lit.y, f.x), f.y);
 }

@@ -44,7 +44,7 @@ LampTap lamp_tap(uint lamp, vec3 q, vec3 d, vec3 normal) {
   const float texel = lamps.s[lamp].texel_tangent, most = lamps.s[lamp].most_tangent;
   const vec2 tangent = clamp(vec2(dot(side.right, d), -dot(side.up, d)) / z, vec2(-most), vec2(most));
   tap.stored = textureLod(sampler2DArray(pass_array_images[pc.lamp_maps], graph_samplers[SAMPLER_NEAREST_CLAMP]),
-      vec3((tile.xy + tangent / texel) * lamps.s[lamp].uv_per_texel, tile.z), 0.0).r;
+      vec3((tile.xy + floor(tangent / texel) + 0.5) * lamps.s[lamp].uv_per_texel, tile.z), 0.0).r;
   // Where the direction meets the plane, or as far off as the point where the plane leads away.
   const float towards = -dot(normal, d), here = -dot(normal, q), far = length(q) / length(d);
   const float at = towards > 1e-6 * length(d) ? min(here / towards, far) : far;
@@ -118,7 +118,8 @@ float lamp_visibility(uint lamp, LightRef light, vec3 position, vec3 normal) {
   const float bias = min(PLANE_LIFT_TEXELS / away, MOST_LIFT_TEXELS) * texel + lamps.s[lamp].bias_m / z + 9.5367432e-7 +
       (abs(slope.x) + abs(slope.y)) * (1.0 / 64.0);
   const vec2 tangent = clamp(vec2(dot(side.right, q), -dot(side.up, q)) / z, vec2(-most), vec2(most));
-  const vec2 place = tile.xy + tangent / texel - 0.5, f = fract(place);
+  // From the tile's middle: where the tile is must not matter to the last bit.
+  const vec2 place = tangent / texel - 0.5, whole = floor(place), f = place - whole;
   const LampPlane plane = LampPlane(lamp_near_m / z, bias, min(ROUND_LIFT_TEXELS / away, MOST_LIFT_TEXELS) * texel,
       slope, BLIND_TEXELS * texel);
   const uint places = lamps.s[lamp].pixel_places;
@@ -130,10 +131,10 @@ float lamp_visibility(uint lamp, LightRef light, vec3 position, vec3 normal) {
     const vec2 last = vec2(most / texel + 0.75);  // of the tile
     for (uint i = 0u; i < places; ++i) {
       const vec2 off = on_ellipse(reach, shadow_place(i, places, 0.0));
-      const vec2 at = clamp(tangent / texel + off, -last, last) + tile.xy - 0.5, first = floor(at), part = at - first;
+      const vec2 at = clamp(tangent / texel + off, -last, last) - 0.5, first = floor(at), part = at - first;
       const vec4 stored = textureGather(
           sampler2DArray(pass_array_images[pc.lamp_maps], graph_samplers[SAMPLER_NEAREST_CLAMP]),
-          vec3((first + 1.0) * lamps.s[lamp].uv_per_texel, tile.z));
+          vec3((tile.xy + first + 1.0) * lamps.s[lamp].uv_per_texel, tile.z));
       const vec2 from = first - place, weight = 1.0 - part;
       compare_texels(plane, stored, from.x + vec4(0.0, 1.0, 1.0, 0.0), from.y + vec4(1.0, 1.0, 0.0, 0.0),
           vec4(weight.x, part.x, part.x, weight.x) * vec4(part.y, part.y, weight.y, weight.y), lit, all);
@@ -145,7 +146,7 @@ float lamp_visibility(uint lamp, LightRef light, vec3 position, vec3 normal) {
   for (int j = 0; j < 4; j += 2) {
     for (int i = 0; i < 4; i += 2) {
       // From the corner that four texels share, in the order of textureGather.
-      const vec2 corner = (floor(place) + vec2(float(i), float(j))) * lamps.s[lamp].uv_per_texel;
+      const vec2 corner = (tile.xy + whole + vec2(float(i), float(j))) * lamps.s[lamp].uv_per_texel;
       const vec4 stored = textureGather(
           sampler2DArray(pass_array_images[pc.lamp_maps], graph_samplers[SAMPLER_NEAREST_CLAMP]), vec3(corner, tile.z));
       compare_texels(plane, stored, vec4(float(i), float(i + 1), float(i + 1), float(i)) - 1.0 - f.x,

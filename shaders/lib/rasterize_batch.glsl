@@ -25,12 +25,16 @@ void begin_view(uint view) {
   raster_view = ViewsRef(pc.views).v[view];
   raster_size_px = raster_view.size_px;
 }
+#ifdef LAMPS
+vec4 raster_position(vec3 about_light) { return lamp_clip(raster_view.clip_from_relative, about_light); }
+#else
 vec4 raster_position(vec3 relative) {
   vec4 clip = raster_view.clip_from_relative * vec4(relative, 1.0);
   // What lies before the near plane is flattened onto it, but in perspective: depth_view.vert.
   if ((raster_view.flags & view_is_perspective) == 0u) clip.z = min(clip.z, clip.w);
   return clip;
 }
+#endif
 #else
 void begin_view(uint view) { raster_size_px = frame.size_px; }
 vec4 raster_position(vec3 relative) { return clip_position(relative); }
@@ -54,6 +58,10 @@ Triangle load_triangle(TriangleBatch batch, Item item, uint number) {
   t.item = item;
   t.geometry = load_geometry(item.geometry);
   t.corners = load_corners(pc.indices, item, t.geometry, batch.first_triangle + number % triangle_batch_size);
+#ifdef LAMPS
+  for (int i = 0; i < 3; ++i)
+    t.corners.p[i] = position_about(raster_view.origin, raster_view.origin_rest, item, t.geometry, t.corners.v[i]);
+#endif
   t.a = raster_position(t.corners.p[0]);
   t.b = raster_position(t.corners.p[1]);
   t.c = raster_position(t.corners.p[2]);

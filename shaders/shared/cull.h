@@ -30,6 +30,13 @@ struct View {
   uint flags;      // view_*
   uvec2 origin_px, size_px;  // of the viewport in its layer
   uint layer;                // of the image that the view is drawn to
+  // Of lamps' maps that are drawn apart (passes/shared/views.h): where the light is in the world, as a float and what
+  // it leaves; the depth of its range, for what lies farther off is not in the map; and the tile of the image that is
+  // read.
+  vec3 origin, origin_rest;
+  float least_depth;
+  uvec2 tile_px;
+  uint tile_layer;
 };
 
 struct CullPush {
@@ -86,7 +93,7 @@ inline uvec2 cull_threads(uint groups) {
   return {row * cull_group_size, (groups + 65534) / 65535};
 }
 static_assert(sizeof(CullGroup) == 28 && sizeof(DrawCommand) == 20 && sizeof(CullPush) == 72);
-static_assert(sizeof(View) == 252 && offsetof(View, planes) == 64 && offsetof(View, least_px) == 224);
+static_assert(sizeof(View) == 292 && offsetof(View, planes) == 64 && offsetof(View, least_px) == 224);
 }  // namespace candela::shared
 #else
 const uint view_has_served = 1u, view_is_perspective = 2u, view_of_lamp = 4u;

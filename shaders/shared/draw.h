@@ -26,6 +26,13 @@ struct DepthViewPush {  // depth as a view sees it
   vec2 subsample_ndc;  // as in DrawPush, whose functions it serves; 0
   uint flattens;       // what lies before the near plane onto it: parallel views
 };
+struct DepthLampPush {        // depth as a lamp's view sees it that is drawn apart, whose origin is the light
+  uint64_t deformed, places;  // Place (shared/scene.h)
+  mat4 clip_from_relative;    // its directions alone
+  vec2 subsample_ndc;         // as in DepthViewPush
+  vec3 origin, origin_rest;   // of View (shared/cull.h)
+  uint layer;
+};
 // What see-through surfaces leave of the light of a view (passes/transparency/colored_shadows.h); some members as in
 // DrawPush, whose functions it serves.
 struct ColoredShadowPush {

@@ -16,6 +16,7 @@ struct ItemGroup {
   uint first_transform, transform_count;
   uint first_instance;  // among all of the scene
   uint posed;           // 1: by the host
+  dvec3 world_origin;   // of the node
 };
 
 // Consecutive items in the order of drawing: instance by instance the sections of a group, or the host's.
@@ -46,6 +47,7 @@ struct PoseItemsPush {
   uint64_t groups, spans, sections, instances, batch_spans;
   uint64_t posed_transforms, posed_items, posed_batches;
   uint64_t transforms, items, batches;
+  uint64_t posed_places, places;  // Place (shared/scene.h), one for each transform; 0: nothing reads them
   uint transform_count, item_count, batch_count;
   uint group_count, span_count, batch_span_count;
 };
@@ -54,8 +56,8 @@ SHARED_END
 
 #ifdef __cplusplus
 namespace candela::shared {
-static_assert(sizeof(WideTransform) == 96 && sizeof(ItemGroup) == 112 && sizeof(ItemSpan) == 20);
-static_assert(sizeof(ItemSection) == 44 && sizeof(BatchSpan) == 28 && sizeof(PoseItemsPush) == 112);
+static_assert(sizeof(WideTransform) == 96 && sizeof(ItemGroup) == 136 && sizeof(ItemSpan) == 20);
+static_assert(sizeof(ItemSection) == 44 && sizeof(BatchSpan) == 28 && sizeof(PoseItemsPush) == 128);
 }  // namespace candela::shared
 #else
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer WideTransformsRef { WideTransform t[]; };
@@ -64,6 +66,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Ite
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ItemSectionsRef { ItemSection s[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer BatchSpansRef { BatchSpan s[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer TransformsOutRef { Transform t[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer WorldPlacesOutRef { Place p[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer ItemsOutRef { Item i[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer BatchesOutRef { TriangleBatch b[]; };
 #endif

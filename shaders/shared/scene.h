@@ -20,6 +20,11 @@ struct Transform {
   vec4 row0, row1, row2;
 };
 
+// Where a transform's origin lies in the world, as a float and what it leaves.
+struct Place {
+  vec3 place, rest;
+};
+
 // Where a section's vertices lie, in 4-byte words from FrameConstants.vertices; the first three from the deformed
 // buffer instead when flags has geometry_deformed. Positions, normals: 3 words a vertex; tangents, colours: 4; UVs: 2.
 struct Geometry {
@@ -122,7 +127,8 @@ enum : uint {
   material_exponent_texture = 128u,  // the specular texture's A is of its exponent
 };
 enum : uint { light_directional = 0, light_point = 1, light_spot = 2, light_stand_in = 3 };
-static_assert(sizeof(Transform) == 48 && sizeof(Geometry) == 28 && sizeof(Item) == 48 && sizeof(TextureRef) == 40);
+static_assert(sizeof(Transform) == 48 && sizeof(Place) == 24 && sizeof(Geometry) == 28 && sizeof(Item) == 48 &&
+              sizeof(TextureRef) == 40);
 static_assert(sizeof(Material) == 80 + 7 * 40 && offsetof(Material, base_texture) == 80);
 static_assert(sizeof(Light) == 64 && offsetof(Light, direction) == 16 && offsetof(Light, spot_scale) == 32 &&
               offsetof(Light, intensity) == 40);
@@ -140,6 +146,7 @@ const uint light_directional = 0u, light_point = 1u, light_spot = 2u, light_stan
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer WordsRef { uint w[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer FloatsRef { float f[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TransformsRef { Transform t[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer WorldPlacesRef { Place p[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer GeometriesRef { Geometry g[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ItemsRef { Item i[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MaterialsRef { Material m[]; };

@@ -31,6 +31,7 @@ struct RasterizePush {
   uint64_t large;   // a word that counts triangles, and their tiles below, then LargeTriangles
   uint64_t groups;  // TileGroups
   uint64_t views;   // View (shared/cull.h); only of views
+  uint64_t places;  // Place (shared/scene.h); only of lamps' views that are drawn apart
   vec2 subsample_ndc;
   float subsample_footprint;
   uint batch_count;
@@ -42,6 +43,12 @@ struct RasterizePush {
 struct ViewTexelsPush {
   uint64_t texels;
   uint image_px, image;
+};
+struct ViewTilesPush {
+  uint64_t texels, views;    // View (shared/cull.h)
+  uint first_view, size_px;  // of the views, all of them as large
+  uint image_px;             // side of the layers of texels
+  uint image;
 };
 struct TraceKeysPush {
   uint64_t trees, keys;
@@ -82,7 +89,7 @@ inline constexpr uint triangle_batch_size = 64, raster_tile_px = 16, raster_chun
 inline constexpr uint raster_view_batches = 8, raster_many_views = 64;
 inline constexpr int raster_most_small_px = 64;  // a side of what 32-bit edge functions hold
 inline constexpr uint depth_tile_px = 16;
-static_assert(sizeof(TriangleBatch) == 16 && sizeof(LargeTriangle) == 56 && sizeof(RasterizePush) == 96);
+static_assert(sizeof(TriangleBatch) == 16 && sizeof(LargeTriangle) == 56 && sizeof(RasterizePush) == 104);
 }  // namespace candela::shared
 #else
 const uint batch_cull_back = 1u, batch_mirrored = 2u, batch_masked = 4u, batch_unlit = 8u;

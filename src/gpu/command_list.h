@@ -59,6 +59,8 @@ class CommandList {
   // cull: none, or back faces; mirrored: front faces are clockwise (negative determinant).
   virtual void set_cull(bool cull_back, bool mirrored) = 0;
   // What pipelines with a stencil test compare with and write; 0 from begin_rendering on.
+  // A layer of the depth that is drawn to, all of it.
+  virtual void clear_depth_layer(uint32_t layer, float depth) = 0;
   virtual void set_stencil_reference(uint8_t reference) = 0;
   virtual void draw(uint32_t vertices, uint32_t instances = 1) = 0;
   virtual void draw_indirect(BufferHandle commands, uint64_t offset, uint32_t draws) = 0;
@@ -80,6 +82,13 @@ class CommandList {
                            uint64_t bytes) = 0;
   // Texel by texel, between parts of equal shape and texel size.
   virtual void copy_image(ImageHandle from, ImageHandle to, ImageRange from_range = {}, ImageRange to_range = {}) = 0;
+  // A square: from a corner of a layer, counted from the first of the part, to a corner of a layer of the other.
+  struct Tile {
+    glm::uvec2 corner_px{0};
+    uint32_t layer = 0;
+  };
+  virtual void copy_tile(ImageHandle from, const Tile& from_tile, ImageHandle to, const Tile& to_tile,
+                         uint32_t size_px) = 0;
   // Stretched to the size of the target, a mip to a mip; linear: filtered between texels, without a wider kernel.
   virtual void blit(ImageHandle from, ImageHandle to, bool linear, ImageRange from_range = {},
                     ImageRange to_range = {}) = 0;

@@ -79,6 +79,24 @@ void CommandListImpl::copy_image(ImageHandle from_image, ImageHandle to_image, I
                  regions.data());
 }
 
+void CommandListImpl::copy_tile(ImageHandle from_image, const Tile& from_tile, ImageHandle to_image,
+                                const Tile& to_tile, uint32_t size_px) {
+  const Part from = part(from_image, Access::transfer_source, {}),
+             to = part(to_image, Access::transfer_destination, {});
+  const auto corner = [&](const Part& part, const Tile& tile) {
+    CHECK_MSG(tile.layer < part.range.layer_count && tile.corner_px.x + size_px <= part.desc.width_px &&
+                  tile.corner_px.y + size_px <= part.desc.height_px && part.range.mip_count == 1,
+              pass_.name);
+    return VkOffset3D{int32_t(tile.corner_px.x), int32_t(tile.corner_px.y), 0};
+  };
+  const auto layer = [&](const Part& part, const Tile& tile) {
+    return VkImageSubresourceLayers{part.image.texels, part.range.first_mip, part.range.first_layer + tile.layer, 1};
+  };
+  const VkImageCopy region{
+      layer(from, from_tile), corner(from, from_tile), layer(to, to_tile), corner(to, to_tile), {size_px, size_px, 1}};
+  vkCmdCopyImage(commands_, from.image.image, from.layout, to.image.image, to.layout, 1, &region);
+}
+
 void CommandListImpl::blit(ImageHandle from_image, ImageHandle to_image, bool linear, ImageRange from_range,
                            ImageRange to_range) {
   const Part from = part(from_image, Access::transfer_source, from_range);

@@ -231,7 +231,7 @@ void CommandListImpl::begin_rendering(std::span<const Attachment> colors, ImageH
   info.pDepthAttachment = depth ? &depth_info : nullptr;
   if (depth && has_stencil(desc_of(depth.resource).format)) info.pStencilAttachment = &depth_info;
   vkCmdBeginRendering(commands_, &info);
-  rendering_ = true;
+  rendering_ = true, rendered_ = area.extent;
   const VkViewport viewport{0, 0, float(extent.width), float(extent.height), 0, 1};
   vkCmdSetViewport(commands_, 0, 1, &viewport);
   vkCmdSetScissor(commands_, 0, 1, &area);
@@ -248,6 +248,14 @@ void CommandListImpl::end_rendering() {
 void CommandListImpl::set_cull(bool cull_back, bool mirrored) {
   vkCmdSetCullMode(commands_, cull_back ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE);
   vkCmdSetFrontFace(commands_, mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE);
+}
+
+void CommandListImpl::clear_depth_layer(uint32_t layer, float depth) {
+  CHECK_MSG(rendering_, pass_.name);
+  VkClearAttachment clear{VK_IMAGE_ASPECT_DEPTH_BIT, 0, {}};
+  clear.clearValue.depthStencil = {depth, 0};
+  const VkClearRect rect{{{0, 0}, rendered_}, layer, 1};
+  vkCmdClearAttachments(commands_, 1, &clear, 1, &rect);
 }
 
 void CommandListImpl::set_stencil_reference(uint8_t reference) {

@@ -60,6 +60,7 @@ class CommandListImpl final : public CommandList {
   void set_viewport(glm::vec2 corner_px, glm::vec2 size_px) override;
   void set_scissor(glm::uvec2 corner_px, glm::uvec2 size_px) override;
   void set_cull(bool cull_back, bool mirrored) override;
+  void clear_depth_layer(uint32_t layer, float depth) override;
   void set_stencil_reference(uint8_t reference) override;
   void draw(uint32_t vertices, uint32_t instances) override;
   void draw_indirect(BufferHandle commands, uint64_t offset, uint32_t draws) override;
@@ -75,6 +76,8 @@ class CommandListImpl final : public CommandList {
   void copy_buffer(BufferHandle from, uint64_t from_offset, BufferHandle to, uint64_t to_offset,
                    uint64_t bytes) override;
   void copy_image(ImageHandle from, ImageHandle to, ImageRange from_range, ImageRange to_range) override;
+  void copy_tile(ImageHandle from, const Tile& from_tile, ImageHandle to, const Tile& to_tile,
+                 uint32_t size_px) override;
   void blit(ImageHandle from, ImageHandle to, bool linear, ImageRange from_range, ImageRange to_range) override;
   void fill_buffer(BufferHandle buffer, uint32_t value, uint64_t offset, uint64_t bytes) override;
   void clear_image(ImageHandle image, glm::vec4 value, ImageRange range) override;
@@ -116,6 +119,7 @@ class CommandListImpl final : public CommandList {
   VkCommandBuffer commands_;
   const Pipeline* bound_ = nullptr;
   bool rendering_ = false;
+  VkExtent2D rendered_{};  // what is drawn to
 };
 
 }  // namespace candela::gpu

@@ -90,6 +90,14 @@ void GraphBuilder::keep(ImageHandle image, const Hash128& key, std::string why) 
   resource.key = key, resource.kept_reason = std::move(why);
 }
 
+void GraphBuilder::pool(ImageHandle image) {
+  Resource& resource = resource_of(image);
+  if (resource.imported || resource.key) refuse(resource.name(), "an image that is imported or kept is to be pooled");
+  if (std::ranges::any_of(resources_, [](const Resource& r) { return r.pooled; }))
+    refuse(resource.name(), "a second image is to be pooled");
+  resource.pooled = true;
+}
+
 void GraphBuilder::begin_pass(std::string name, Queue queue) {
   if (open_) throw GraphError(fmt::format("pass '{}' begins inside pass '{}'", name, passes_.back().name));
   for (const Pass& pass : passes_)

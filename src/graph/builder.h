@@ -35,6 +35,11 @@ class GraphBuilder {
   // passes that need not run then.
   void keep(ImageHandle image, const Hash128& key, std::string why);
 
+  // Passes write and read parts of the image that are the same in any layered one, of other size and number of layers:
+  // compile_graph puts one in its place that outlives the frame, with what earlier frames left in it, where there is
+  // one. All of its uses are of all layers; one image of a graph at most.
+  void pool(ImageHandle image);
+
   // Opens a pass; every declaration up to end_pass belongs to it. A frame's passes have different names: what stands in
   // a frame several times has a name for each instance, "blur.wide" (times, hashes and plans tell them apart).
   void begin_pass(std::string name, Queue queue = Queue::main);
@@ -100,6 +105,7 @@ class GraphBuilder {
     std::vector<ImageRange> written;  // of images: what each version wrote, from version 1
     std::optional<Hash128> key;       // of images that may be kept; kept_reason with it
     std::string kept_reason;
+    bool pooled = false;
     const std::string& name() const {
       return std::visit([](const auto& d) -> const std::string& { return d.name; }, desc);
     }

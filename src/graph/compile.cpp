@@ -81,12 +81,25 @@ void make_physical(const GraphBuilder& builder, const KeptKeys& kept, FramePlan&
       planned.to_fill = kept.seen.contains(*resource.key);
       planned.imported = planned.to_fill || kept.filled.contains(*resource.key);
     }
+    if (resource.pooled && kept.pool) {
+      auto& image = std::get<ImageDesc>(planned.desc);
+      image.width_px = image.height_px = kept.pool->size_px;
+      image.layers = kept.pool->layers;
+      planned.imported = planned.pooled = true;
+      planned.to_fill = !kept.pool->filled;
+    }
     planned.lifetime = lifetime_of(planned);
     plan.resources.push_back(std::move(planned));
   }
   for (size_t pass = 0; pass < plan.passes.size(); ++pass) {
-    for (const PlanUse& use : plan.passes[pass].uses) {
+    for (PlanUse& use : plan.passes[pass].uses) {
       PlanResource& resource = plan.resources[use.resource];
+      if (resource.pooled) {
+        if (use.range.layer_count != std::get<ImageDesc>(builder.resources()[size_t(use.resource)].desc).layers)
+          throw GraphError(fmt::format("pass '{}' uses some layers of '{}', which is pooled", plan.passes[pass].name,
+                                       resource.name()));
+        use.range.layer_count = kept.pool->layers;
+      }
       const AccessInfo& info = access_info(use.access);
       if (resource.is_image())
         resource.image_usage |= info.image_usage;

@@ -98,6 +98,7 @@ enum class Lifetime : uint8_t { scene, frame, readback };  // imported, transien
 struct PlanResource {
   std::variant<ImageDesc, BufferDesc> desc;
   bool imported = false, to_fill = false;  // to_fill: imported, and this frame makes what is in it
+  bool pooled = false;                     // imported; this frame changes parts of it
   std::optional<Hash128> key;              // of an image that other frames may find, or that this one found
   Lifetime lifetime = Lifetime::frame;
   VkImageUsageFlags image_usage = 0;  // unions over kept passes: pruning narrows usage too

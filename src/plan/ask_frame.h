@@ -12,6 +12,7 @@
 #include "job/wanted_outputs.h"
 #include "plan/frame_dumps.h"
 #include "plan/frame_rays.h"
+#include "plan/lamp_pool.h"
 #include "scene/geometry_layout.h"
 #include "sky/job_sky.h"
 #include "techniques/technique.h"
@@ -22,11 +23,12 @@ namespace candela {
 struct PlanContext {
   const Scene& scene;
   const GeometryLayout& layout;
-  const JobSky* sky = nullptr;     // the job's, as the session read it; without one there is no sky
-  const LookFile* look = nullptr;  // the job's, as the session read it; without one plan_frame reads the file
-  const KeptKeys* kept = nullptr;  // what earlier frames left; null: nothing is kept
-  const View* face = nullptr;      // of a reflection probe's image, which takes the place of the job's camera
-  DevicePose on_device = {};       // instances that the device can pose
+  const JobSky* sky = nullptr;            // the job's, as the session read it; without one there is no sky
+  const LookFile* look = nullptr;         // the job's, as the session read it; without one plan_frame reads the file
+  const KeptKeys* kept = nullptr;         // what earlier frames left; null: nothing is kept
+  const KeptLamps* kept_lamps = nullptr;  // likewise, of maps of point and spot lights
+  const View* face = nullptr;             // of a reflection probe's image, which takes the place of the job's camera
+  DevicePose on_device = {};              // instances that the device can pose
   std::shared_ptr<const FrameRays> rays = {};  // of an earlier frame; taken where the key is this one's
   // The device runs shaders on a CPU, by subgroups of eight or more: without a device as the one here by default.
   bool cpu = true;

@@ -1,5 +1,7 @@
 #include "plan/caster_hash.h"
 
+#include <tbb/parallel_for.h>
+
 #include <cstring>
 
 #include "plan/frame_views.h"
@@ -36,16 +38,84 @@ void add_mask(const Material& m, Bytes& out) {
   out.add(slot.rotation_rad);
 }
 
+void add_material(const Pose& pose, uint32_t index, const DrawBatch& run, Bytes& out) {
+  const Material material = index < pose.materials.size() ? pose.materials[index] : Material{};
+  out.add(uint32_t(glows_all_over(material)));
+  if (run.alpha == AlphaMode::mask) add_mask(material, out);
+}
+
+// What is said of all that a run draws.
+void add_run(const DrawBatch& run, Bytes& out) {
+  for (const bool is : {run.alpha == AlphaMode::mask, run.cull_back, run.mirrored}) out.add(uint32_t(is));
+}
+
+CasterHash hash_of(const Bytes& bytes) {
+  const Hash128 hash = bytes.hash();
+  return {hash.lo, hash.hi};
+}
+
 }  // namespace
+
+CasterHashes caster_hashes(const FrameData& data, const DrawList& draws, const FrameUpload& upload, const Pose& pose) {
+  CasterHashes out;
+  out.items.resize(upload.items.size());
+  const auto hash_item = [&](uint32_t i, const DrawBatch& run) {
+    const shared::Item& item = upload.items[i];
+    const shared::Transform& t = upload.transforms[item.transform];
+    const shared::Geometry& geometry = upload.geometries[item.geometry];
+    Bytes bytes;
+    add_run(run, bytes);
+    for (const glm::vec4& row : {t.row0, t.row1, t.row2}) bytes.add(glm::vec3(row));
+    bytes.add(upload.places[item.transform]);
+    bytes.add(geometry);
+    bytes.add(item.first_index);
+    bytes.add(item.index_count);
+    add_material(pose, item.material, run, bytes);
+    out.items[i] = hash_of(bytes);
+    out.items[i].deformed = geometry.flags & shared::geometry_deformed;
+  };
+  size_t at = 0;      // among spans, of which one of the host's may reach over several runs
+  uint32_t host = 0;  // items of the host before the run
+  for (const DrawBatch& run : draws.batches) {
+    const uint32_t run_end = run.first + run.count, first_of_host = host;
+    host += run.count;
+    for (; at < draws.spans.size() && draws.spans[at].first < run_end; ++at) {
+      const DrawSpan& span = draws.spans[at];
+      if (span.group < 0 && span.first + span.count > run_end) break;  // the next run's too
+      if (span.group < 0) continue;
+      host -= span.count;
+      const ItemGroup& group = data.item_groups[size_t(span.group)];
+      Bytes bytes;
+      add_run(run, bytes);
+      for (int c = 0; c < 3; ++c) bytes.add(glm::dvec3(group.relative_from_node[c]));
+      bytes.add(group.world_origin);
+      bytes.add(group.node);
+      for (uint32_t s = span.source; s < span.source + span.sections; ++s) {
+        const shared::ItemSection& section = upload.item_sections[s];
+        bytes.add(upload.geometries[section.geometry]);
+        bytes.add(section.first_index);
+        bytes.add(section.index_count);
+        add_material(pose, section.material, run, bytes);
+      }
+      const Hash128 of_group = bytes.hash();
+      for (uint32_t cluster = 0; cluster < group.set->clusters.size(); ++cluster) {
+        Bytes of_cluster;
+        of_cluster.add(of_group);
+        of_cluster.add(cluster);
+        out.clusters.push_back(hash_of(of_cluster));
+      }
+    }
+    if (casts_shadows(run))
+      tbb::parallel_for(tbb::blocked_range<uint32_t>(first_of_host, host, 256), [&](const auto& range) {
+        for (uint32_t i = range.begin(); i < range.end(); ++i) hash_item(i, run);
+      });
+  }
+  return out;
+}
 
 std::optional<Hash128> caster_hash(const DrawList& draws, const FrameUpload& upload, const Pose& pose,
                                    const TextureKnobs& textures) {
   Bytes out;
-  const auto add_material = [&](uint32_t index, const DrawBatch& run) {
-    const Material material = index < pose.materials.size() ? pose.materials[index] : Material{};
-    out.add(uint32_t(glows_all_over(material)));
-    if (run.alpha == AlphaMode::mask) add_mask(material, out);
-  };
   // Of instances that a pass poses, where their node is and which they are.
   const auto add_group = [&](const DrawSpan& span, const DrawBatch& run) {
     out.add(upload.item_groups[size_t(span.group) + 1]);
@@ -54,7 +124,7 @@ std::optional<Hash128> caster_hash(const DrawList& draws, const FrameUpload& upl
       out.add(upload.geometries[section.geometry]);
       out.add(section.first_index);
       out.add(section.index_count);
-      add_material(section.material, run);
+      add_material(pose, section.material, run, out);
     }
   };
   size_t at = 0;      // among spans, of which one of the host's may reach over several runs
@@ -82,7 +152,7 @@ std::optional<Hash128> caster_hash(const DrawList& draws, const FrameUpload& upl
       out.add(geometry);
       out.add(item.first_index);
       out.add(item.index_count);
-      add_material(item.material, run);
+      add_material(pose, item.material, run, out);
     }
   }
   for (const Knob& row : TextureKnobs::table()) out.add(row.value(&textures));

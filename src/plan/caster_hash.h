@@ -1,6 +1,7 @@
 #pragma once
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "base/hash.h"
 #include "passes/shared/views.h"
@@ -16,6 +17,22 @@ namespace candela {
 // so a camera that moves changes it.
 std::optional<Hash128> caster_hash(const DrawList& draws, const FrameUpload& upload, const Pose& pose,
                                    const TextureKnobs& textures);
+
+// A hash of what decides the depth of one thing that casts shadows, as seen from a place in the world: the same
+// wherever the camera is. Sums tell sets of things apart, in any order.
+struct CasterHash {
+  uint64_t low = 0, high = 0;
+  bool deformed = false;  // it changes from frame to frame
+  void add(const CasterHash& other) {
+    low += other.low, high += other.high;
+    deformed |= other.deformed;
+  }
+};
+struct CasterHashes {
+  std::vector<CasterHash> items;     // posed by the host, in the order of drawing; zeros: it casts none
+  std::vector<CasterHash> clusters;  // of item_clusters()
+};
+CasterHashes caster_hashes(const FrameData& data, const DrawList& draws, const FrameUpload& upload, const Pose& pose);
 
 // The key of the image that these views draw of those casters.
 Hash128 depth_views_key(const Hash128& casters, const ViewImage& image);

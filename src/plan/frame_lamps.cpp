@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include "passes/geometry/depth_views.h"
@@ -117,6 +118,33 @@ void fit_budget(std::vector<Candidate>& lamps, uint64_t bytes) {
       if (lamps[i].size_px > least_lamp_px) lamps[i].size_px /= 2, shrank = true;
   }
   while (!lamps.empty() && room_of(lamps).bytes() > bytes) lamps.pop_back();
+}
+
+// Maps that outlive frames may take as much memory as this many frames' own.
+constexpr uint64_t kept_budgets = 2;
+constexpr uint32_t pool_layer_px = 1024;
+
+// Of a map that later frames may use; nothing: of what changes from frame to frame.
+std::optional<Hash128> map_key(const Lamp& lamp, int face, uint32_t size_px, const CasterHash& casters,
+                               const MapOptions& options, bool open_sides) {
+  if (casters.deformed) return std::nullopt;
+  std::string all = lamp_face_key(lamp, face, size_px).hex();
+  all += fmt::format(" {:x} {:x} {}", casters.low, casters.high, open_sides);
+  for (const Knob& row : TextureKnobs::table()) all += " " + row.text(row.value(&options.textures));
+  return hash128(all);
+}
+
+// Of the views those that are drawn.
+FrameViews of_drawn(const FrameViews& all, const ViewImage& image, size_t runs) {
+  FrameViews out;
+  out.first_command.push_back(0);
+  for (const uint32_t v : image.drawn) {
+    out.table.push_back(image.views[v]);
+    for (size_t r = v * runs; r < (v + 1) * runs; ++r)
+      out.first_command.push_back(out.first_command.back() + all.first_command[r + 1] - all.first_command[r]);
+  }
+  if (out.table.empty()) out.table.emplace_back();  // a buffer holds something
+  return out;
 }
 
 // The lights' nodes, neighbours as a range.
@@ -243,10 +271,41 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const SurveyedFrame& frame, 
   }
   image.layers = room.layers;
   image.size_px = room.layer_px;
+  image.most_px = most_px;
+  image.apart = !options.see_through;
+  const bool keeps = image.apart && options.kept_lamps;
+  CasterHashes hashes;
+  if (keeps) hashes = caster_hashes(data, packed.draws, packed.upload, frame.pose);
+  ViewCasters casters{hashes, {}};
   if (auto placed = place_maps(out, std::move(image), data, packed.draws, packed.upload.items, options, knobs.draws,
-                               "local.draws");
+                               "local.draws", keeps ? &casters : nullptr);
       !placed)
     return std::unexpected(placed.error());
+  out.most_views = uint32_t(faces.size());
+  if (!out.image->apart) return out;
+  auto apart = std::make_shared<ViewImage>(*out.image);
+  apart->commands = out.views.first_command.back();
+  apart->drawn.resize(faces.size());
+  std::iota(apart->drawn.begin(), apart->drawn.end(), 0u);
+  if (keeps) {
+    std::vector<LampMap> maps;
+    for (size_t f = 0; f < faces.size(); ++f)
+      maps.push_back({sizes[f], map_key(lamps[faces[f].lamp].lamp, faces[f].face, sizes[f], casters.of_view[f], options,
+                                        request.open_sides)});
+    const uint64_t most_bytes =
+        std::min(options.kept_lamps->most_bytes, kept_budgets * (uint64_t(knobs.budget_mb) << 20));
+    if (auto placed =
+            place_lamps(options.kept_lamps->pool, maps, options.floats, std::max(most_px, pool_layer_px), most_bytes)) {
+      for (shared::LampShadow& shadow : out.shadows) shadow.uv_per_texel = float(1.0 / placed->pool.layer_px);
+      for (size_t f = 0; f < faces.size(); ++f)
+        move_lamp_face(faces[f].face, sizes[f], placed->tiles[f], apart->views[f], out.shadows[faces[f].lamp]);
+      apart->drawn = std::move(placed->drawn);
+      apart->outlives = true;
+      out.pool = std::move(placed->pool);
+    }
+  }
+  out.views = of_drawn(out.views, *apart, packed.draws.batches.size());
+  out.image = std::move(apart);
   return out;
 }
 

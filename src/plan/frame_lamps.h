@@ -13,6 +13,8 @@ namespace candela {
 // The frame's shadow maps of point and spot lights, the most important light's first.
 struct FrameLamps : ShadowMaps {
   std::vector<shared::LampShadow> shadows;
+  uint32_t most_views = 0;       // that its buffers hold: of the image's views, those that are drawn are fewer
+  std::optional<LampPool> pool;  // the image outlives the frame, and holds these maps then
 };
 
 // Chooses the lights that get maps (those that the look marks first) and the maps' sizes, and places these in one

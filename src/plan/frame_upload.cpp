@@ -142,8 +142,8 @@ void add_item_groups(const Scene& scene, const FrameData& data, const DrawList& 
   posed.transform_count = upload.transform_count, posed.posed = 1;
   upload.item_groups.push_back(posed);
   for (const ItemGroup& group : data.item_groups) {
-    upload.item_groups.push_back(
-        {wide(group.relative_from_node), upload.transform_count, group.set->count, group.set->first, 0});
+    upload.item_groups.push_back({wide(group.relative_from_node), upload.transform_count, group.set->count,
+                                  group.set->first, 0, group.world_origin});
     upload.transform_count += group.set->count;
   }
   for (const DrawSpan& span : draws.spans) {
@@ -329,6 +329,10 @@ FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& 
   set_view(view, request, upload.constants);
   for (size_t i = 0; i < 9; ++i) upload.constants.ambient_sh[i] = glm::vec4(ambient[i], 0);
   for (const glm::mat4& m : data.relative_from_local) upload.transforms.push_back(shared_transform(m));
+  for (const glm::dvec3& origin : data.world_origins) {
+    const glm::vec3 place(origin);
+    upload.places.push_back({place, glm::vec3(origin - glm::dvec3(place))});
+  }
   upload.geometries.resize(layout.geometry_count);
   for (const auto& mesh : layout.sections)
     for (const SectionLayout& l : mesh) upload.geometries[l.geometry] = static_geometry(l);

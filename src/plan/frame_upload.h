@@ -23,6 +23,7 @@ namespace candela {
 struct FrameUpload {
   shared::FrameConstants constants{};
   std::vector<shared::Transform> transforms;
+  std::vector<shared::Place> places;         // of the transforms
   std::vector<shared::Geometry> geometries;  // static sections first, then one for each deformation
   std::vector<shared::Item> items;           // posed here, in draw order
   uint32_t item_count = 0;                   // of all, those of groups among them

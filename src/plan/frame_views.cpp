@@ -29,7 +29,7 @@ std::vector<ItemCluster> item_clusters(const FrameData& data, const DrawList& dr
 
 Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<const shared::Item> items,
                                  std::span<const DrawBatch> runs, bool culling, uint64_t budget, std::string_view knob,
-                                 bool see_through, std::span<const ItemCluster> clusters) {
+                                 bool see_through, std::span<const ItemCluster> clusters, ViewCasters* casters) {
   FrameViews placed;
   placed.table = std::move(views);
   std::vector<uint32_t> counts(placed.table.size() * runs.size());
@@ -46,15 +46,27 @@ Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<cons
     if (draws(runs[r])) std::fill_n(run_of.begin() + long(first), host[r], int(r));
   std::optional<ItemTree> tree;
   if (culling) tree.emplace(items, run_of);
+  if (casters) casters->of_view.resize(placed.table.size());
   tbb::parallel_for(size_t(0), placed.table.size(), [&](size_t v) {
     uint32_t* of_view = &counts[v * runs.size()];
-    for (const ItemCluster& cluster : clusters)
-      if (draws(runs[cluster.run]) &&
-          (!culling || may_keep(placed.table[v], cluster.bounds_centre, cluster.bounds_extent)))
+    CasterHash hash;
+    for (size_t c = 0; c < clusters.size(); ++c)
+      if (const ItemCluster& cluster = clusters[c];
+          draws(runs[cluster.run]) &&
+          (!culling || may_keep(placed.table[v], cluster.bounds_centre, cluster.bounds_extent))) {
         of_view[cluster.run] += cluster.count;
-    if (tree) return tree->count(placed.table[v], of_view);
-    for (size_t r = 0; r < runs.size(); ++r)
-      if (draws(runs[r])) of_view[r] += host[r];
+        if (casters) hash.add(casters->hashes.clusters[c]);
+      }
+    const auto found = [&](uint32_t i) {
+      ++of_view[run_of[i]];
+      if (casters) hash.add(casters->hashes.items[i]);
+    };
+    if (tree)
+      tree->each(placed.table[v], found);
+    else
+      for (uint32_t i = 0; i < items.size(); ++i)
+        if (run_of[i] >= 0) found(i);
+    if (casters) casters->of_view[v] = hash;
   });
   uint64_t needed = 0;
   for (const uint32_t count : counts) {
@@ -73,9 +85,9 @@ Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<cons
 
 Expected<void> place_maps(ShadowMaps& maps, ViewImage image, const FrameData& data, const DrawList& draws,
                           std::span<const shared::Item> items, const MapOptions& options, int draws_knob,
-                          std::string_view knob_name) {
+                          std::string_view knob_name, ViewCasters* casters) {
   auto placed = place_views(image.views, items, draws.batches, options.culling, uint64_t(draws_knob), knob_name,
-                            options.see_through, item_clusters(data, draws));
+                            options.see_through, item_clusters(data, draws), casters);
   if (!placed) return std::unexpected(placed.error());
   maps.views = std::move(*placed);
   maps.image = std::make_shared<const ViewImage>(std::move(image));

@@ -7,6 +7,8 @@
 
 #include "base/error.h"
 #include "passes/shared/views.h"
+#include "plan/caster_hash.h"
+#include "plan/lamp_pool.h"
 #include "scene/draw_list.h"
 #include "shared/cull.h"
 #include "shared/scene.h"
@@ -26,6 +28,12 @@ struct ItemCluster {
 };
 std::vector<ItemCluster> item_clusters(const FrameData& data, const DrawList& draws);
 
+// What each view may draw, for keys of its texels: of those of all items and clusters.
+struct ViewCasters {
+  const CasterHashes& hashes;
+  std::vector<CasterHash> of_view;
+};
+
 // Room for the draw commands of every view and run: as many as the CPU counts with a test that never culls what the
 // device keeps (its allowance for rounding is four times as wide), so nothing can run out on the device. Runs of
 // line and point items get none: they cast no shadow. Of see-through ones neither, unless what they leave of the light
@@ -36,7 +44,7 @@ std::vector<ItemCluster> item_clusters(const FrameData& data, const DrawList& dr
 Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<const shared::Item> items,
                                  std::span<const DrawBatch> runs, bool culling, uint64_t budget,
                                  std::string_view knob = "sun.draws", bool see_through = false,
-                                 std::span<const ItemCluster> clusters = {});
+                                 std::span<const ItemCluster> clusters = {}, ViewCasters* casters = nullptr);
 
 bool casts_shadows(const DrawBatch& run);
 
@@ -52,14 +60,17 @@ struct ShadowMaps {
 };
 // What both kinds of maps depend on beside their own knobs.
 struct MapOptions {
-  int longer_side_px = 0;    // of the picture
-  double scene_size_m = 0;   // GeometryLayout::size_m
-  bool culling = true;       // the pass that culls does so
-  bool see_through = false;  // see-through surfaces are drawn into the views
+  int longer_side_px = 0;                 // of the picture
+  double scene_size_m = 0;                // GeometryLayout::size_m
+  bool culling = true;                    // the pass that culls does so
+  bool see_through = false;               // see-through surfaces are drawn into the views
+  bool floats = false;                    // maps are of plain floats, not of depths: those that compute draws
+  const KeptLamps* kept_lamps = nullptr;  // null: maps of point and spot lights do not outlive the frame
+  TextureKnobs textures = {};             // that masks are read with
 };
 // Gives the views of the maps room for their draw commands, and the maps their image. Errors: as place_views().
 Expected<void> place_maps(ShadowMaps& maps, ViewImage image, const FrameData& data, const DrawList& draws,
                           std::span<const shared::Item> items, const MapOptions& options, int draws_knob,
-                          std::string_view knob_name);
+                          std::string_view knob_name, ViewCasters* casters = nullptr);
 
 }  // namespace candela

@@ -9,7 +9,6 @@ namespace {
 
 // The device adds and multiplies in float: about six roundings, and it keeps what lies outside by up to four.
 constexpr double rounding = 16 * 0x1p-23;
-constexpr size_t fan_out = 8;
 
 // Every third bit, from 21 bits on.
 uint64_t spread(uint64_t v) {
@@ -26,10 +25,9 @@ bool is_finite(const shared::Item& item) {
   return true;
 }
 
-// How a box lies in a view whose planes point inwards. outside: may_keep() is false for whatever lies in the box, and
-// inside: true, whatever the last bits are.
-enum class Lies { outside, across, inside };
-Lies place_of(const shared::View& view, glm::dvec3 centre, glm::dvec3 extent) {
+}  // namespace
+
+ItemTree::Lies ItemTree::place_of(const shared::View& view, glm::dvec3 centre, glm::dvec3 extent) {
   Lies place = Lies::inside;
   for (const glm::vec4& plane : view.planes) {
     const glm::dvec3 n(plane), n_abs = glm::abs(n);
@@ -41,8 +39,6 @@ Lies place_of(const shared::View& view, glm::dvec3 centre, glm::dvec3 extent) {
   }
   return place;
 }
-
-}  // namespace
 
 bool may_keep(const shared::View& view, glm::dvec3 centre, glm::dvec3 extent) {
   for (const glm::vec4& plane : view.planes) {
@@ -111,29 +107,6 @@ ItemTree::ItemTree(std::span<const shared::Item> items, std::span<const int> cla
     }
     levels_.push_back(std::move(nodes));
   }
-}
-
-void ItemTree::count(const shared::View& view, size_t level, size_t node_index, uint32_t* counts) const {
-  const Node& node = levels_[level][node_index];
-  const Lies place = place_of(view, node.centre, node.extent);
-  if (place == Lies::outside) return;
-  if (place == Lies::inside) {
-    for (uint32_t i = node.first; i < node.end; ++i) ++counts[class_of_[order_[i]]];
-    return;
-  }
-  if (level == 0) {
-    for (uint32_t i = node.first; i < node.end; ++i)
-      if (may_keep(view, items_[order_[i]])) ++counts[class_of_[order_[i]]];
-    return;
-  }
-  const size_t end = std::min((node_index + 1) * fan_out, levels_[level - 1].size());
-  for (size_t child = node_index * fan_out; child < end; ++child) count(view, level - 1, child, counts);
-}
-
-void ItemTree::count(const shared::View& view, uint32_t* counts) const {
-  for (const uint32_t i : unbounded_)
-    if (may_keep(view, items_[i])) ++counts[class_of_[i]];
-  if (!levels_.empty()) count(view, levels_.size() - 1, 0, counts);
 }
 
 }  // namespace candela

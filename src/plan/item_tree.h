@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <glm/glm.hpp>
 #include <span>
 #include <vector>
@@ -20,15 +21,41 @@ class ItemTree {
   // class_of: of each item; items of a negative class are left out. Items whose bounds are not finite are tested one by
   // one.
   ItemTree(std::span<const shared::Item> items, std::span<const int> class_of);
+  // Calls for each such item, in an order of the tree's.
+  template <class Found>
+  void each(const shared::View& view, Found&& found) const {
+    for (const uint32_t i : unbounded_)
+      if (may_keep(view, items_[i])) found(i);
+    if (!levels_.empty()) each(view, levels_.size() - 1, 0, found);
+  }
   // Adds to counts[class].
-  void count(const shared::View& view, uint32_t* counts) const;
+  void count(const shared::View& view, uint32_t* counts) const {
+    each(view, [&](uint32_t i) { ++counts[class_of_[i]]; });
+  }
 
  private:
   struct Node {
     glm::dvec3 centre{0}, extent{0};
     uint32_t first = 0, end = 0;  // of order_
   };
-  void count(const shared::View& view, size_t level, size_t node, uint32_t* counts) const;
+  // How a box lies in a view whose planes point inwards. outside: may_keep() is false for whatever lies in the box, and
+  // inside: true, whatever the last bits are.
+  enum class Lies { outside, across, inside };
+  static Lies place_of(const shared::View& view, glm::dvec3 centre, glm::dvec3 extent);
+  template <class Found>
+  void each(const shared::View& view, size_t level, size_t node_index, Found& found) const {
+    const Node& node = levels_[level][node_index];
+    const Lies place = place_of(view, node.centre, node.extent);
+    if (place == Lies::outside) return;
+    if (place == Lies::inside || level == 0) {
+      for (uint32_t i = node.first; i < node.end; ++i)
+        if (place == Lies::inside || may_keep(view, items_[order_[i]])) found(order_[i]);
+      return;
+    }
+    const size_t end = std::min((node_index + 1) * fan_out, levels_[level - 1].size());
+    for (size_t child = node_index * fan_out; child < end; ++child) each(view, level - 1, child, found);
+  }
+  static constexpr size_t fan_out = 8;
 
   std::span<const shared::Item> items_;
   std::span<const int> class_of_;

@@ -1,6 +1,7 @@
 #include "plan/lamp_faces.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "plan/sun_cascades.h"
@@ -16,12 +17,6 @@ constexpr double face_corner_rad = 0.9554 + 0.15;
 // Texels at each side of a map: half of what a lookup reads, and half a texel for rounding.
 constexpr double border_texels = double(shared::lamp_kernel_texels) + 0.5;
 
-uint32_t every_second_bit(uint64_t v) {
-  uint32_t out = 0;
-  for (uint32_t bit = 0; bit < 32; ++bit) out |= uint32_t(v >> (2 * bit) & 1u) << bit;
-  return out;
-}
-
 }  // namespace
 
 bool Lamp::is_cube() const { return !(cone_rad > 0 && cone_rad <= widest_map_rad); }
@@ -29,6 +24,7 @@ bool Lamp::is_cube() const { return !(cone_rad > 0 && cone_rad <= widest_map_rad
 Lamp lamp_of(const LightItem& light) {
   Lamp lamp;
   lamp.position = glm::dvec3(light.position);
+  lamp.world_position = light.world_position;
   lamp.range_m = double(light.range_m);
   if (light.type == LightType::spot) {
     lamp.direction = glm::normalize(glm::dvec3(light.direction));
@@ -81,6 +77,12 @@ uint32_t lamp_size_px(const Lamp& lamp, const View& view, int height_px, uint32_
   if (!(across < most)) return most;
   const double side = std::exp2(std::round(std::log2(std::max(across, 1.0))));
   return uint32_t(std::clamp(side, double(least_lamp_px), double(most)));
+}
+
+uint32_t every_second_bit(uint64_t v) {
+  uint32_t out = 0;
+  for (uint32_t bit = 0; bit < 32; ++bit) out |= uint32_t(v >> (2 * bit) & 1u) << bit;
+  return out;
 }
 
 std::vector<LampTile> pack_lamp_tiles(std::span<const uint32_t> sizes_px, uint32_t layer_px) {
@@ -139,9 +141,38 @@ shared::View place_lamp_face(const Lamp& lamp, int face, uint32_t size_px, const
   view.origin_px = tile.origin_px;
   view.size_px = {size_px, size_px};
   view.layer = tile.layer;
+  view.origin = glm::vec3(lamp.world_position);
+  view.origin_rest = glm::vec3(lamp.world_position - glm::dvec3(view.origin));
+  view.least_depth = float(double(shared::lamp_near_m) / lamp.range_m);
+  move_lamp_face(face, size_px, tile, view, shadow);
+  return view;
+}
+
+void move_lamp_face(int face, uint32_t size_px, const LampTile& tile, shared::View& view, shared::LampShadow& shadow) {
+  view.tile_px = tile.origin_px;
+  view.tile_layer = tile.layer;
   const glm::dvec2 centre = glm::dvec2(tile.origin_px) + size_px / 2.0;
   shadow.tiles[face] = {float(centre.x), float(centre.y), float(tile.layer)};
-  return view;
+}
+
+Hash128 lamp_face_key(const Lamp& lamp, int face, uint32_t size_px) {
+  const LampAxes axes = lamp_axes(lamp, face);
+  const std::array<double, 15> decides{lamp.world_position.x,
+                                       lamp.world_position.y,
+                                       lamp.world_position.z,
+                                       axes.right.x,
+                                       axes.right.y,
+                                       axes.right.z,
+                                       axes.up.x,
+                                       axes.up.y,
+                                       axes.up.z,
+                                       axes.forward.x,
+                                       axes.forward.y,
+                                       axes.forward.z,
+                                       lamp_tangent(lamp, size_px),
+                                       lamp.range_m,
+                                       double(size_px)};
+  return hash128(std::as_bytes(std::span(decides)));
 }
 
 }  // namespace candela

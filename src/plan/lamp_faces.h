@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "base/hash.h"
 #include "math/bounds.h"
 #include "scene/frame_data.h"
 #include "scene/view.h"
@@ -18,6 +19,7 @@ struct Lamp {
   glm::dvec3 direction{0, 0, -1};  // of a spot, unit
   double cone_rad = 0;             // its half angle; 0: it shines all round
   double range_m = 0;              // infinity: none
+  glm::dvec3 world_position{0};
   bool is_cube() const;
   int faces() const { return is_cube() ? 6 : 1; }
 };
@@ -47,11 +49,17 @@ struct LampTile {
   glm::uvec2 origin_px{0};
   uint32_t layer = 0;
 };
+uint32_t every_second_bit(uint64_t v);  // from the least one on: a place along such a curve gives x, half of it y
 std::vector<LampTile> pack_lamp_tiles(std::span<const uint32_t> sizes_px, uint32_t layer_px);
 
 // What surfaces read of a light, as yet without maps, and the view that draws one into its tile, which it makes known.
 shared::LampShadow lamp_shadow(const Lamp& lamp, uint32_t size_px, uint32_t layer_px);
 shared::View place_lamp_face(const Lamp& lamp, int face, uint32_t size_px, const LampTile& tile,
                              shared::LampShadow& shadow);
+// Where the map is read, if that is not where it is drawn.
+void move_lamp_face(int face, uint32_t size_px, const LampTile& tile, shared::View& view, shared::LampShadow& shadow);
+
+// A hash of what decides the map's texels beside what casts into it, in the world: wherever the camera is.
+Hash128 lamp_face_key(const Lamp& lamp, int face, uint32_t size_px);
 
 }  // namespace candela

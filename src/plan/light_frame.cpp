@@ -68,7 +68,10 @@ Expected<LitFrame> light_frame(const AskedFrame& asked, const SurveyedFrame& fra
   const MapOptions maps{.longer_side_px = std::max(request.width_px, request.height_px),
                         .scene_size_m = context.layout.size_m,
                         .culling = knobs.get<Cull::Knobs>().enabled != 0,
-                        .see_through = lit.shadow_colors};
+                        .see_through = lit.shadow_colors,
+                        .floats = packed.upload.batch_count > 0,
+                        .kept_lamps = context.kept_lamps,
+                        .textures = knobs.get<TextureKnobs>()};
   auto suns = plan_suns(context.scene, frame, packed, knobs.get<SunKnobs>(), maps);
   if (!suns) return std::unexpected(suns.error());
   lit.suns = std::move(*suns);

@@ -50,10 +50,10 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.light_grid = f.light_grid.shape;
   s.sun_image = f.suns.image;
   s.sun_absence = f.suns.absence;
-  if (context.kept && (s.sun_image || f.lamps.image))
+  if (context.kept && (s.sun_image || (f.lamps.image && !f.lamps.image->apart)))
     if (const auto casters = caster_hash(f.draws, u, f.pose, f.textures)) {
       if (s.sun_image) s.sun_key = depth_views_key(*casters, *s.sun_image);
-      if (f.lamps.image) s.lamp_key = depth_views_key(*casters, *f.lamps.image);
+      if (f.lamps.image && !f.lamps.image->apart) s.lamp_key = depth_views_key(*casters, *f.lamps.image);
     }
   s.view_first_command = std::make_shared<const std::vector<uint32_t>>(f.suns.views.first_command);
   s.lamp_image = f.lamps.image;
@@ -149,12 +149,17 @@ void complete_upload(const LitFrame& lit, const TracedFrame& traced, double leas
   if (traced.rays && traced.traced.surfaces) add_drawn_items(packed.draws, upload);
 }
 
+std::vector<DumpRequest> dump_requests(const Job& job, const WantedOutputs& wanted) {
+  std::vector<DumpRequest> requests = wanted.dumps;
+  if (const auto image = image_of_view(job.view); image && wanted.display) requests.push_back(*image);
+  return requests;
+}
+
 // The graph of the frame, which is filled once; frames with dumps are filled a second time, for only a plan knows which
 // images are made.
 Expected<void> plan_graph(const AskedFrame& asked, const PlanContext& context, const WantedOutputs& wanted,
                           PlannedFrame& f) {
-  std::vector<DumpRequest> requests = wanted.dumps;
-  if (const auto image = image_of_view(asked.job.view); image && wanted.display) requests.push_back(*image);
+  const std::vector<DumpRequest> requests = dump_requests(asked.job, wanted);
   const auto fill = [&](GraphBuilder& builder) {
     f.imports.clear();
     const SceneInputs inputs = import_scene(builder, context, f);
@@ -169,7 +174,8 @@ Expected<void> plan_graph(const AskedFrame& asked, const PlanContext& context, c
     f.counts = frame.counts;
     f.reports = std::move(frame.reports);
   };
-  const KeptKeys kept = context.kept ? *context.kept : KeptKeys{};
+  KeptKeys kept = context.kept ? *context.kept : KeptKeys{};
+  if (f.lamps.pool) kept.pool = {f.lamps.pool->layer_px, f.lamps.pool->layers, !f.lamps.pool->fresh};
   GraphBuilder builder;
   fill(builder);
   f.graph = compile_graph(builder);
@@ -177,7 +183,7 @@ Expected<void> plan_graph(const AskedFrame& asked, const PlanContext& context, c
   const auto is_kept = [&](const GraphBuilder::Resource& r) {
     return r.key && (kept.filled.contains(*r.key) || kept.seen.contains(*r.key));
   };
-  if (std::ranges::any_of(builder.resources(), is_kept)) f.graph = compile_graph(builder, kept);
+  if (kept.pool || std::ranges::any_of(builder.resources(), is_kept)) f.graph = compile_graph(builder, kept);
   if (requests.empty()) return {};
   auto dumps = place_dumps(requests, builder, f.graph.plan);
   if (!dumps) return std::unexpected(dumps.error());
@@ -200,7 +206,10 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   if (!frame) return std::unexpected(frame.error());
   auto packed = pack_frame(*asked, *frame, context, time_s);
   if (!packed) return std::unexpected(packed.error());
-  auto lit = light_frame(*asked, *frame, *packed, context, clock);
+  // What is looked at is the frame's own.
+  PlanContext lighting = context;
+  if (!dump_requests(asked->job, wanted).empty()) lighting.kept_lamps = nullptr;
+  auto lit = light_frame(*asked, *frame, *packed, lighting, clock);
   if (!lit) return std::unexpected(lit.error());
   clock.begin("trees");
   TracedFrame traced = trace_frame(*asked, *frame, *packed, *lit, context);

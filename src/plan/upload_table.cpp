@@ -19,8 +19,8 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     rows.push_back({name, input, std::max(bytes.size(), room * sizeof(values[0])), bytes, address});
   };
   // Lists of lights have sizes in powers of two: lights that move do not change the plan.
-  const auto add_rounded = [&](const char* name, BufferHandle Inputs::*input, const auto& values) {
-    if (!values.empty()) add(name, input, values, UploadRow::no_address, std::bit_ceil(values.size()));
+  const auto add_rounded = [&](const char* name, BufferHandle Inputs::*input, const auto& values, size_t room = 0) {
+    if (!values.empty()) add(name, input, values, UploadRow::no_address, std::bit_ceil(std::max(values.size(), room)));
   };
   const auto add_lights = [&] {
     add("frame.lights", u.light_groups.empty() ? &Inputs::lights : &Inputs::posed_lights, u.lights);
@@ -65,6 +65,9 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
               u.item_count);
     add_posed("frame.transforms", &Inputs::transforms, offsetof(Constants, transforms), "posed.transforms",
               &Inputs::posed_transforms, u.transforms, u.transform_count);
+    if (frame.lamps.image && frame.lamps.image->apart)
+      add_posed("frame.places", &Inputs::places, UploadRow::no_address, "posed.places", &Inputs::posed_places, u.places,
+                u.transform_count);
     add("frame.geometries", &Inputs::geometries, u.geometries, offsetof(Constants, geometries));
     add("frame.materials", &Inputs::materials, u.materials, offsetof(Constants, materials));
     add("frame.lobes", &Inputs::lobes, u.lobes, offsetof(Constants, lobes));
@@ -78,8 +81,9 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     add("frame.view_regions", &Inputs::view_regions, frame.suns.views.first_command);
     add("frame.suns", &Inputs::suns, frame.suns.shadows);
     // Views of lamps come and go as the camera moves: their buffers have sizes in powers of two.
-    add_rounded("frame.local_views", &Inputs::lamp_views, frame.lamps.views.table);
-    add_rounded("frame.local_view_regions", &Inputs::lamp_view_regions, frame.lamps.views.first_command);
+    add_rounded("frame.local_views", &Inputs::lamp_views, frame.lamps.views.table, frame.lamps.most_views);
+    add_rounded("frame.local_view_regions", &Inputs::lamp_view_regions, frame.lamps.views.first_command,
+                frame.lamps.most_views * frame.draws.batches.size() + 1);
     add_rounded("frame.local_lights", &Inputs::lamps, frame.lamps.shadows);
     add("frame.deform_jobs", &Inputs::deform_jobs, u.deform_jobs);
     add("frame.joints", &Inputs::joints, frame.data.joint_matrices);

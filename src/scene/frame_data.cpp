@@ -52,6 +52,7 @@ class FrameBuilder {
       items += drawn_.instance_count(node) * scene_.meshes[size_t(scene_.nodes[node].mesh)].sections.size();
     }
     frame_.relative_from_local.reserve(transforms);
+    frame_.world_origins.reserve(transforms);
     frame_.items.reserve(items);
     frame_.lights.reserve(lights);
   }
@@ -94,7 +95,8 @@ class FrameBuilder {
       const Material& m = pose_.materials[size_t(material)];
       if (m.alpha_mode == AlphaMode::blend || m.has(Lobe::transmission)) return std::nullopt;
     }
-    ItemGroup group{&set, 0, uint32_t(n), mesh, set.mirrored, drawn_.target_from_node(n)};
+    ItemGroup group{
+        &set, 0, uint32_t(n), mesh, set.mirrored, drawn_.target_from_node(n), glm::dvec3(pose_.world_from_node[n][3])};
     if (!turns_surely(group.relative_from_node)) return std::nullopt;
     if (glm::determinant(glm::dmat3(group.relative_from_node)) < 0) group.mirrored = !group.mirrored;
     const DAabb box = relative_box(group, set.all);
@@ -105,7 +107,9 @@ class FrameBuilder {
 
   // Skinned vertices come out in relative space: the node's transform and its instancing do not apply.
   void add_skinned(const Node& node, size_t n, const std::vector<MeshSection>& sections) {
-    const uint32_t transform = add_transform(glm::dmat4(1.0));
+    const uint32_t transform = uint32_t(frame_.relative_from_local.size());
+    frame_.relative_from_local.push_back(glm::mat4(1.0f));
+    frame_.world_origins.push_back(view_.position);
     const bool mirrored = drawn_.skin(node.skin).mirrored;
     for (size_t s = 0; s < sections.size(); ++s)
       if (DrawnSections::can_be_drawn(sections[s]) && deformations_[s].skinned)
@@ -120,6 +124,7 @@ class FrameBuilder {
     const size_t count = drawn_.instance_count(n), first_transform = frame_.relative_from_local.size(),
                  first_item = frame_.items.size();
     frame_.relative_from_local.resize(first_transform + count);
+    frame_.world_origins.resize(first_transform + count);
     frame_.items.resize(first_item + count * rigid.size());
     const glm::dmat4 target_from_node = drawn_.target_from_node(n);
     tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 512), [&](const auto& range) {
@@ -127,16 +132,12 @@ class FrameBuilder {
         const glm::dmat4 m = drawn_.target_from_instance(target_from_node, n, i);
         const size_t transform = first_transform + i;
         frame_.relative_from_local[transform] = glm::mat4(m);
+        frame_.world_origins[transform] = glm::dvec3(drawn_.target_from_instance(pose_.world_from_node[n], n, i)[3]);
         const bool mirrored = glm::determinant(glm::dmat3(m)) < 0;
         for (size_t r = 0; r < rigid.size(); ++r)
           frame_.items[first_item + i * rigid.size() + r] = item_of(n, rigid[r], i, uint32_t(transform), m, mirrored);
       }
     });
-  }
-
-  uint32_t add_transform(const glm::dmat4& m) {
-    frame_.relative_from_local.push_back(glm::mat4(m));
-    return uint32_t(frame_.relative_from_local.size() - 1);
   }
 
   DrawItem item_of(size_t n, size_t s, size_t instance, uint32_t transform, const glm::dmat4& relative_from_local,
@@ -208,7 +209,8 @@ class FrameBuilder {
   void add_light(const Node& node, size_t n) {
     const glm::dmat4& world = pose_.world_from_node[n];
     LightItem item = light_item(pose_.lights[size_t(node.light)], n);
-    item.position = glm::vec3(glm::dvec3(world[3]) - view_.position);
+    item.world_position = glm::dvec3(world[3]);
+    item.position = glm::vec3(item.world_position - view_.position);
     item.direction = shining_direction(world);
     add_light_item(item);
   }
@@ -231,7 +233,9 @@ class FrameBuilder {
       }
     }
     for (size_t i = 0; i < instances.count(); ++i) {
-      item.position = glm::vec3(origin + linear * glm::dvec3(instances.translation[i]));
+      const glm::dvec3 from_node = linear * glm::dvec3(instances.translation[i]);
+      item.world_position = glm::dvec3(world[3]) + from_node;
+      item.position = glm::vec3(origin + from_node);
       item.direction = instances.direction.empty() ? direction : turned(linear, instances.direction[i], direction);
       double intensity = double(light.intensity);
       if (!instances.intensity.empty()) intensity *= double(instances.intensity[i]);

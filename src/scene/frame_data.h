@@ -46,6 +46,7 @@ struct LightItem {  // a light in relative space
   float inner_m = 0;
   double radius_rad = 0;  // of a directional light's disc in the sky; 0: a point
   bool is_hard = false;   // so narrow a disc that its shadows are those of a point
+  glm::dvec3 world_position{0};
 };
 
 // The light instances of a node, which a compute pass poses; in the frame's list they stand together.
@@ -67,11 +68,13 @@ struct ItemGroup {
   uint32_t node = 0, mesh = 0;
   bool mirrored = false;
   glm::dmat4 relative_from_node{1.0};
+  glm::dvec3 world_origin{0};  // of the node
   size_t item_count() const { return size_t(set->count) * set->sections.size(); }
 };
 
 struct FrameData {
   std::vector<glm::mat4> relative_from_local;  // composed in double, cast once
+  std::vector<glm::dvec3> world_origins;       // of the same spaces, wherever the camera is
   std::vector<DrawItem> items;                 // node order; blended ones not yet sorted
   std::vector<ItemGroup> item_groups;          // in node order; items that are not among `items`
   std::vector<Deformation> deformations;

@@ -94,6 +94,8 @@ class DeviceSession : public Session {
   std::unique_ptr<gpu::Bindless> bindless_;
   std::unique_ptr<GpuScene> gpu_scene_;
   std::unique_ptr<gpu::ImageCache> kept_;  // null: nothing is kept
+  LampPool lamp_pool_;                     // what `lamp_image_` holds once frames in flight are drawn
+  std::shared_ptr<gpu::KeptImage> lamp_image_;
   std::unique_ptr<gpu::FrameRunner> runner_;
   std::map<FrameTicket, Begun> begun_;
 };
@@ -235,6 +237,8 @@ Expected<FrameTicket> DeviceSession::begin_job(const Job& job, double time_s, bo
   PlanContext context = plan_context();
   const KeptKeys kept = kept_ ? kept_->keys() : KeptKeys{};
   if (kept_) context.kept = &kept;
+  const KeptLamps kept_lamps{lamp_pool_, settings_.kept_bytes};
+  if (kept_ && !hash_outputs) context.kept_lamps = &kept_lamps;  // the pool's bytes depend on other frames
   auto planned = plan_frame(job, context, wanted_, time_s);
   if (!planned) return std::unexpected(planned.error());
   if (planned->rays) rays_ = planned->rays;
@@ -261,6 +265,10 @@ Expected<FrameTicket> DeviceSession::begin_job(const Job& job, double time_s, bo
     }
     const auto ticket = begin_planned(*planned, begun, hash_outputs);
     if (!ticket) return ticket;
+    result.timings.lamp_maps = planned->lamps.most_views;
+    if (planned->lamps.image)
+      result.timings.lamp_maps_drawn =
+          planned->lamps.image->apart ? planned->lamps.image->drawn.size() : planned->lamps.most_views;
     result.timings.uploaded_bytes = device_->uploaded_bytes() - uploaded_before;
     result.width_px = job_.width_px;
     result.height_px = job_.height_px;
@@ -293,6 +301,12 @@ DeviceSession::KeptImages DeviceSession::kept_images(const PlannedFrame& planned
   const std::vector<PlanResource>& resources = planned.graph.plan.resources;
   for (size_t r = 0; r < resources.size() && kept_; ++r) {
     const PlanResource& resource = resources[r];
+    if (resource.pooled && resource.first_pass >= 0) {
+      if (planned.lamps.pool->fresh || !lamp_image_)
+        lamp_image_ = kept_->make(std::get<ImageDesc>(resource.desc), resource.image_usage);
+      images.held.push_back(lamp_image_);
+      images.by_resource[int(r)] = lamp_image_.get();
+    }
     if (!resource.key) continue;
     const ImageDesc& desc = std::get<ImageDesc>(resource.desc);
     kept_->used(*resource.key, desc);
@@ -331,6 +345,8 @@ Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun&
   t.add("compile", compiling_times.total("compile"));
   t.spans.insert(t.spans.end(), compiling_times.spans.begin(), compiling_times.spans.end());
   if (const auto prepared = runner_->prepare(planned.graph); !prepared) return std::unexpected(prepared.error());
+  // Until the frame is handed over nobody knows what it leaves there.
+  if (planned.lamps.pool) lamp_pool_ = {};
   const KeptImages kept = kept_images(planned);
   uploaded.keep.insert(uploaded.keep.end(), kept.held.begin(), kept.held.end());
   if (settings_.timed && fresh) {
@@ -348,6 +364,7 @@ Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun&
       planned.graph, uploaded.imports,
       {.timed = settings_.timed, .hash_outputs = hash_outputs, .images = kept.by_resource}, std::move(uploaded.keep));
   for (const auto& [key, image] : kept.filled) kept_->insert(key, image);
+  if (planned.lamps.pool && lamp_image_) lamp_pool_ = *planned.lamps.pool, lamp_pool_.fresh = false;
   t.spans.push_back({"record and submit", "cpu", submit_start, process_clock_us() - submit_start});
   begun.submit_us = submit_start;
   return ticket;

@@ -63,7 +63,8 @@ void build_frame(Frame& frame, const SceneInputs& inputs, const Technique& techn
   SceneInputs scene = inputs;
   const PoseItems::Out items = frame.add(PoseItems{.on_device = scene.item_group_count > 0}, {scene});
   if (scene.item_group_count > 0)
-    scene.transforms = items.transforms, scene.items = items.items, scene.batches = items.batches;
+    scene.transforms = items.transforms, scene.items = items.items, scene.batches = items.batches,
+    scene.places = items.places;
   const BufferHandle posed = frame.add(PoseLights{.on_device = scene.light_group_count > 0}, {scene}).lights;
   if (scene.light_group_count > 0) scene.lights = posed;
   const Supersample::Knobs& supersample = frame.knobs.get<Supersample::Knobs>();

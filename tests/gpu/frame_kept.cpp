@@ -116,7 +116,7 @@ TEST_F(KeptMaps, FollowTheirCasters) {
   EXPECT_EQ(kept, 3) << "the third of each place";
 }
 
-// Of lamps, one of which moves: the maps follow it, and are drawn no more while it stands.
+// Of lamps, one of which moves: the maps follow it, and where it was before there is one.
 TEST_F(KeptMaps, FollowTheirLamps) {
   GltfBuilder b = empty_scene();
   const int material = add_material(b, diffuse_material(0.6, 0.6, 0.6));
@@ -139,11 +139,143 @@ TEST_F(KeptMaps, FollowTheirLamps) {
     EXPECT_EQ(images(with), images(without)) << time;
     EXPECT_EQ(with.plan_hash, without.plan_hash);
     pictures.insert(images(without)["beauty"].bytes);
-    drawn += std::ranges::any_of(with.plan.passes, [](const PlanPass& p) { return p.name == "depth_views.local"; });
+    EXPECT_EQ(with.timings.lamp_maps, without.timings.lamp_maps);
+    EXPECT_EQ(without.timings.lamp_maps_drawn, without.timings.lamp_maps);
+    drawn += with.timings.lamp_maps_drawn > 0;
   }
   EXPECT_EQ(pictures.size(), 3u);
-  EXPECT_EQ(drawn, 6) << "not the third time at each place";
+  EXPECT_EQ(drawn, 3) << "the first time at each place";
 }
+
+// Lamps over standing and moving things, a masked one among them, seen by a camera that comes near.
+class KeptLampMaps : public KeptMaps, public ::testing::WithParamInterface<const char*> {
+ protected:
+  struct Moment {
+    double time_s;
+    CameraRequest camera;
+  };
+  static constexpr int last = 5;
+  // moving: nothing, a square that the first two lamps reach, or the point lamps.
+  enum class Moving { nothing, caster, lamps };
+  static Job lit_job(Moving moving, const std::string& technique) {
+    GltfBuilder b = empty_scene();
+    const int material = add_material(b, diffuse_material(0.6, 0.6, 0.6));
+    Json holes = diffuse_material(0.5, 0.5, 0.5);
+    holes["alphaMode"] = "MASK";
+    holes["pbrMetallicRoughness"]["baseColorFactor"][3] = 0.7;
+    add_node(b, {{"mesh", add_square_mesh(b, 20, material)}});
+    const int caster = add_node(b, {{"mesh", add_square_mesh(b, 0.6f, material)}, {"translation", {0, 0, 1}}});
+    add_node(b, {{"mesh", add_square_mesh(b, 0.5f, add_material(b, holes))}, {"translation", {4.2, 0.3, 1}}});
+    add_node(b, {{"mesh", add_square_mesh(b, 0.7f, material)}, {"translation", {-4, 0, 0.6}}});
+    add_light(b, {{"type", "point"}, {"intensity", 30}, {"range", 4}}, {{"translation", {0.3, 0.2, 2}}});
+    add_light(b, {{"type", "spot"}, {"intensity", 60}, {"range", 6}, {"spot", Json::object()}},
+              {{"translation", {0.5, 1, 3}}});
+    add_light(b, {{"type", "point"}, {"intensity", 20}, {"range", 3}}, {{"translation", {4, 0.5, 1.8}}});
+    add_light(b, {{"type", "point"}, {"intensity", 20}, {"range", 3}}, {{"translation", {-4, -0.5, 1.7}}});
+    const int times = b.accessor<float>("SCALAR", {0, 1});
+    const int places = b.accessor<float>("VEC3", {-0.5, 0, 1, moving == Moving::caster ? 0.5f : -0.5f, 0, 1});
+    b.json["animations"] = {
+        {{"samplers", {{{"input", times}, {"output", places}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", caster}, {"path", "translation"}}}}}}}};
+    for (size_t n = 0; moving == Moving::lamps && n < b.json["nodes"].size(); ++n) {
+      if (b.json["nodes"][n].value("extensions", Json()).empty()) continue;
+      const Json at = b.json["nodes"][n]["translation"];
+      const int from_to = b.accessor<float>("VEC3", {at[0], at[1], at[2], float(at[0]) + 0.2f, at[1], at[2]});
+      Json& animation = b.json["animations"][0];
+      animation["channels"].push_back(
+          {{"sampler", animation["samplers"].size()}, {"target", {{"node", n}, {"path", "translation"}}}});
+      animation["samplers"].push_back({{"input", times}, {"output", from_to}});
+    }
+    Job job = job_for(write(b), 48, 32);
+    job.technique = technique;
+    job.layers = {"shadow_local"};
+    return job;
+  }
+  // From afar to near by, and aside a little, by steps that no float holds.
+  static Moment moment(const Job& job, int frame) {
+    Moment m{frame / double(last), job.camera};
+    m.camera.eye = glm::dvec3(0.1 * frame, -1.3 - 0.31 * frame, 24 - 3.7 * frame);
+    m.camera.target = glm::dvec3(0.07 * frame, 0, 0);
+    return m;
+  }
+  static std::vector<Images> alone(Job job) {
+    std::vector<Images> all;
+    for (int frame = 0; frame <= last; ++frame) {
+      const Moment m = moment(job, frame);
+      job.camera = m.camera;
+      all.push_back(images_of(job, {}, m.time_s));
+    }
+    return all;
+  }
+  // Of the frames in that order: how many maps each reads, and draws.
+  static std::vector<std::pair<uint64_t, uint64_t>> film(const Job& job, const std::vector<int>& frames,
+                                                         const std::vector<Images>& expected,
+                                                         uint64_t bytes = uint64_t(512) << 20) {
+    std::vector<std::pair<uint64_t, uint64_t>> counts;
+    const auto session = open_keeping(job, bytes);
+    if (!session) return counts;
+    for (const int frame : frames) {
+      const Moment m = moment(job, frame);
+      session->set_camera(m.camera);
+      const FrameResult result = render(*session, m.time_s);
+      EXPECT_EQ(images(result), expected[size_t(frame)]) << frame;
+      counts.emplace_back(result.timings.lamp_maps, result.timings.lamp_maps_drawn);
+    }
+    return counts;
+  }
+  static const std::vector<std::vector<int>>& orders() {
+    static const std::vector<std::vector<int>> all = {
+        {0, 1, 2, 3, 4, 5}, {5, 4, 3, 2, 1, 0}, {0, 2, 4}, {1, 3, 5}, {3, 0, 3, 5, 1, 3}};
+    return all;
+  }
+};
+
+TEST_P(KeptLampMaps, OfStandingThingsAreDrawnOnceForEachSize) {
+  const Job job = lit_job(Moving::nothing, GetParam());
+  const std::vector<Images> expected = alone(job);
+  std::set<std::vector<std::byte>> pictures;
+  for (Images of_frame : expected) pictures.insert(of_frame["beauty"].bytes);
+  EXPECT_EQ(pictures.size(), size_t(last) + 1);
+  for (const std::vector<int>& order : orders()) {
+    const auto counts = film(job, order, expected);
+    ASSERT_EQ(counts.size(), order.size());
+    uint64_t used = 0, drawn = 0;
+    for (const auto& [u, d] : counts) used += u, drawn += d;
+    EXPECT_EQ(counts[0].second, counts[0].first);
+    EXPECT_LT(drawn, used) << order[0];
+  }
+  // Once there is room for all, none is drawn again.
+  const auto often = film(job, {0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 5, 3, 1, 0, 2, 4}, expected);
+  for (size_t i = 12; i < often.size(); ++i) EXPECT_EQ(often[i].second, 0u) << i;
+}
+
+TEST_P(KeptLampMaps, FollowWhatMovesAmongStandingThings) {
+  const Job job = lit_job(Moving::caster, GetParam());
+  const std::vector<Images> expected = alone(job);
+  for (const std::vector<int>& order : orders()) film(job, order, expected);
+  const auto counts = film(job, {0, 1, 1, 2}, expected);
+  ASSERT_EQ(counts.size(), 4u);
+  EXPECT_GT(counts[1].second, 0u) << "something moved";
+  EXPECT_LT(counts[1].second, counts[1].first) << "two lamps do not reach it";
+  EXPECT_EQ(counts[2].second, 0u);
+}
+
+// Memory for a part of the maps that a film needs, and for less than those of one frame.
+TEST_P(KeptLampMaps, AreDrawnAgainWhereTheirMemoryIsTooSmall) {
+  Job job = lit_job(Moving::lamps, GetParam());
+  job.settings = {{"local", "budget_mb", "2"}};
+  job.width_px = 384, job.height_px = 256;
+  const std::vector<Images> expected = alone(job);
+  const std::vector<int> to_and_fro = {0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+  uint64_t again = 0;
+  const auto counts = film(job, to_and_fro, expected);
+  for (size_t i = 6; i < counts.size(); ++i) again += counts[i].second;
+  EXPECT_GT(again, 0u) << "it holds not all";
+  for (const auto& [used, drawn] : film(job, to_and_fro, expected, uint64_t(3) << 20)) EXPECT_EQ(used, drawn);
+}
+
+INSTANTIATE_TEST_SUITE_P(Techniques, KeptLampMaps, ::testing::Values("clustered", "visibility"),
+                         [](const auto& info) { return std::string(info.param); });
 
 TEST_F(KeptMaps, OfWhatMovesAreDrawnAnew) {
   for (const char* name : {"animated", "skinned", "morph"}) {

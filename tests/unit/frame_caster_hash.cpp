@@ -23,6 +23,7 @@ struct Content {
       item.index_count = 3;
       upload.items.push_back(item);
       upload.transforms.push_back({{1, 0, 0, float(i)}, {0, 1, 0, 0}, {0, 0, 1, 0}});
+      upload.places.push_back({{float(i), 0, 0}, {0, 0, 0}});
       upload.geometries.push_back({.position = i});
       pose.materials.emplace_back();
     }
@@ -68,6 +69,52 @@ TEST(CasterHash, ThereIsNoneOfWhatIsDeformed) {
   EXPECT_TRUE(content.hash());
   content.upload.geometries[1].flags = shared::geometry_deformed;
   EXPECT_FALSE(content.hash());
+}
+
+namespace {
+// As Content has it, wherever the camera is.
+std::vector<CasterHash> hashes_of(const Content& c) {
+  return caster_hashes(FrameData{}, c.draws, c.upload, c.pose).items;
+}
+bool same(const CasterHash& a, const CasterHash& b) {
+  return a.low == b.low && a.high == b.high && a.deformed == b.deformed;
+}
+}  // namespace
+
+TEST(CasterHash, OfEachThingIsOfWhatItIsAndWhereInTheWorld) {
+  const std::vector<CasterHash> before = hashes_of(Content());
+  ASSERT_EQ(before.size(), 4u);
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < i; ++k) EXPECT_FALSE(same(before[size_t(i)], before[size_t(k)]));
+  // Which of them change.
+  const auto changed = [&](auto change) {
+    Content content;
+    change(content);
+    const std::vector<CasterHash> after = hashes_of(content);
+    std::vector<int> list;
+    for (int i = 0; i < 4; ++i)
+      if (!same(after[size_t(i)], before[size_t(i)])) list.push_back(i);
+    return list;
+  };
+  using List = std::vector<int>;
+  EXPECT_EQ(changed([](Content&) {}), List{});
+  EXPECT_EQ(changed([](Content& c) { c.upload.places[1].place.x += 1e-6f; }), List{1});
+  EXPECT_EQ(changed([](Content& c) { c.upload.places[1].rest.x += 1e-9f; }), List{1});
+  EXPECT_EQ(changed([](Content& c) { c.upload.transforms[0].row1.y = 2; }), List{0});
+  EXPECT_EQ(changed([](Content& c) { c.upload.items[0].index_count = 6; }), List{0});
+  EXPECT_EQ(changed([](Content& c) { c.upload.geometries[2].position = 9; }), List{2});
+  EXPECT_EQ(changed([](Content& c) { c.pose.materials[2].alpha_cutoff = 0.25f; }), List{2});
+  EXPECT_EQ(changed([](Content& c) { c.upload.geometries[1].flags = shared::geometry_deformed; }), List{1});
+  // Not where they are from the camera, nor what casts nothing.
+  EXPECT_EQ(changed([](Content& c) {
+              for (shared::Transform& t : c.upload.transforms) t.row0.w += 1, t.row2.w -= 7;
+              for (shared::Item& i : c.upload.items) i.bounds_centre.x += 1;
+            }),
+            List{});
+  EXPECT_EQ(changed([](Content& c) { c.upload.places[3].place.x += 1; }), List{});
+  CasterHash some = before[0], others = before[2];
+  some.add(before[2]), others.add(before[0]);
+  EXPECT_TRUE(same(some, others)) << "in any order";
 }
 
 TEST(CasterHash, MapsDifferByTheirViews) {

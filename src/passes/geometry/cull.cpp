@@ -32,7 +32,7 @@ Cull::Out Cull::declare(GraphBuilder& builder, const In& in) const {
     builder.read_optional(in.scene.materials, Access::compute_read);  // what glows casts no shadow of a lamp
     pipeline.constants = {{0, "HAS_VIEW_TABLE", 1}};
   }
-  const uint64_t groups = uint64_t(in.scene.cull_group_count) * in.views.count;
+  const uint64_t groups = uint64_t(in.scene.cull_group_count) * std::max(in.views.count, in.views.room);
   Out out;
   out.masks = builder.create(BufferDesc{"cull.masks", groups * shared::cull_mask_words * sizeof(uint32_t)});
   out.masks = builder.write(out.masks, Access::compute_write);
@@ -43,6 +43,7 @@ Cull::Out Cull::declare(GraphBuilder& builder, const In& in) const {
 }
 
 void Cull::record(CommandList& commands, const In& in, const Out& out) const {
+  if (in.views.count == 0) return;
   commands.bind(out.pipeline);
   shared::CullPush push{};
   push.groups = commands.address(in.scene.cull_groups);

@@ -23,20 +23,21 @@ CullCompact::Out CullCompact::declare(GraphBuilder& builder, const In& in) const
     builder.read(in.views.regions, Access::compute_read, "the views");
     pipeline.constants = {{0, "HAS_VIEW_TABLE", 1}};
     // In powers of two: views that move do not change the plan.
-    room = std::bit_ceil(std::max<uint64_t>(in.views.first_command->back(), 1));
+    room = std::bit_ceil(std::max<uint64_t>({in.views.first_command->back(), in.views.commands, 1}));
   }
   Out out;
   out.draws.first_command = in.views.first_command;
   out.draws.commands = builder.create(BufferDesc{"cull.commands", room * sizeof(shared::DrawCommand)});
   out.draws.commands = builder.write(out.draws.commands, Access::compute_write);
-  out.draws.counts =
-      builder.create(BufferDesc{"cull.counts", in.scene.draw_batches->size() * in.views.count * sizeof(uint32_t)});
+  out.draws.counts = builder.create(BufferDesc{
+      "cull.counts", in.scene.draw_batches->size() * std::max(in.views.count, in.views.room) * sizeof(uint32_t)});
   out.draws.counts = builder.write(out.draws.counts, Access::compute_write);
   out.pipeline = builder.pipeline(pipeline);
   return out;
 }
 
 void CullCompact::record(CommandList& commands, const In& in, const Out& out) const {
+  if (in.views.count == 0) return;
   commands.bind(out.pipeline);
   shared::CullPush push{};
   push.groups = commands.address(in.scene.cull_groups);

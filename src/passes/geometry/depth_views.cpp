@@ -1,8 +1,75 @@
 #include "passes/geometry/depth_views.h"
 
+#include <algorithm>
+#include <bit>
+
 #include "shared/draw.h"
 
 namespace candela {
+namespace {
+
+// Of the layers that views of a size are drawn into before they are copied, in each round.
+constexpr uint32_t round_texels = 1 << 20, most_round_layers = 256;
+
+void declare_rounds(GraphBuilder& builder, const ViewImage& image, DepthViews::Out& out) {
+  builder.begin_step();
+  out.cleared = out.depth = builder.write(out.depth, Access::transfer_destination);
+  for (uint32_t first = 0, end = 0; first < image.views.size(); first = end) {
+    const uint32_t size = image.views[first].size_px.x;
+    while (end < image.views.size() && image.views[end].size_px.x == size) ++end;
+    ImageDesc desc{fmt::format("{}.{}", image.name, size), depth_format, size, size};
+    desc.kind = ImageKind::d2_array;
+    desc.layers = std::clamp(round_texels / (size * size), 1u, most_round_layers);
+    desc.covered = true;
+    ImageHandle layers = builder.create(desc);
+    // In powers of two: views that come and go do not change the plan.
+    const uint32_t rounds = std::bit_ceil((end - first + desc.layers - 1) / desc.layers);
+    for (uint32_t r = 0; r < rounds; ++r) {
+      const uint32_t begin = std::min(first + r * desc.layers, end);
+      builder.begin_step();
+      layers = builder.write(layers, Access::depth_attachment);
+      builder.begin_step();
+      builder.read(layers, Access::transfer_source, "the views' depths");
+      out.depth = builder.write(out.depth, Access::transfer_destination);
+      out.rounds.push_back({begin, std::min(begin + desc.layers, end) - begin, size, layers, out.depth});
+    }
+  }
+}
+
+// After the first step odd ones draw and even ones copy.
+void record_round(CommandList& commands, const DepthViews::In& in, const DepthViews::Out& out) {
+  const ViewImage& image = *in.image;
+  if (commands.step() == 0) {
+    if (!image.outlives) commands.clear_image(out.cleared, glm::vec4(0));
+    return;
+  }
+  const DepthViews::Round& round = out.rounds[(commands.step() - 1) / 2];
+  const auto first = std::ranges::lower_bound(image.drawn, round.first);
+  const auto end = std::ranges::lower_bound(image.drawn, round.first + round.count);
+  if (first == end) return;
+  if (commands.step() % 2 == 0) {
+    for (auto v = first; v != end; ++v)
+      commands.copy_tile(round.layers, {{0, 0}, *v - round.first}, round.depth,
+                         {image.views[*v].tile_px, image.views[*v].tile_layer}, round.size_px);
+    return;
+  }
+  commands.begin_rendering({}, round.layers);
+  for (auto v = first; v != end; ++v) commands.clear_depth_layer(*v - round.first, image.views[*v].least_depth);
+  for (auto v = first; v != end; ++v) {
+    const shared::View& view = image.views[*v];
+    shared::DepthLampPush push{};
+    push.deformed = in.deformed ? commands.address(in.deformed) : 0;
+    push.places = commands.address(in.scene.places);
+    push.clip_from_relative = view.clip_from_relative;
+    push.origin = view.origin, push.origin_rest = view.origin_rest;
+    push.layer = *v - round.first;
+    record_view_runs(commands, in.scene, in.draws, out.pipelines, uint32_t(v - image.drawn.begin()), push,
+                     in.scene.open_sides);
+  }
+  commands.end_rendering();
+}
+
+}  // namespace
 
 // Maps in which nothing opaque stands too: of what is seen through there are images beside them.
 Need DepthViews::needed(const SceneFacts& facts, const FrameRequest&) const {
@@ -13,7 +80,7 @@ Need DepthViews::needed(const SceneFacts& facts, const FrameRequest&) const {
 DepthViews::Out DepthViews::declare(GraphBuilder& builder, const In& in) const {
   Out out;
   BatchPipelineChoice choice;
-  choice.desc.vertex_shader = "depth_view.vert";
+  choice.desc.vertex_shader = in.image->apart ? "depth_view.vert#LAMPS=1" : "depth_view.vert";
   choice.desc.depth_format = depth_format;
   choice.desc.depth_test = choice.desc.depth_write = true;
   choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
@@ -22,12 +89,18 @@ DepthViews::Out DepthViews::declare(GraphBuilder& builder, const In& in) const {
       builder, in.scene, in.draws, in.deformed,
       [](const DrawBatch& r) { return r.solid() && r.topology == Topology::triangles; }, choice);
   out.depth = builder.create(image_desc(*in.image, depth_format));
+  if (in.image->apart) {
+    builder.read(in.scene.places, Access::vertex_read, "where things are in the world");
+    declare_rounds(builder, *in.image, out);
+    return out;
+  }
   for (uint32_t layer = 0; layer < in.image->layers; ++layer)
     out.depth = builder.write(out.depth, Access::depth_attachment, ImageRange::layer(layer));
   return out;
 }
 
 void DepthViews::record(CommandList& commands, const In& in, const Out& out) const {
+  if (in.image->apart) return record_round(commands, in, out);
   const std::vector<shared::View>& views = in.image->views;
   for (uint32_t v = 0; v < views.size(); ++v) {
     const shared::View& view = views[v];

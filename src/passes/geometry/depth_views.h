@@ -19,9 +19,17 @@ struct DepthViews {
     BufferHandle deformed;  // optional
     std::shared_ptr<const ViewImage> image;
   };
+  // Of views that are drawn apart: those of a size, as many at once as there are layers to draw them into, from where
+  // they are copied to their tiles.
+  struct Round {
+    uint32_t first, count, size_px;  // of the image's views
+    ImageHandle layers, depth;
+  };
   struct Out {
     ImageHandle depth;
     BatchPipelines pipelines;
+    std::vector<Round> rounds;
+    ImageHandle cleared;  // of views that are drawn apart: what is between their tiles
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

@@ -26,11 +26,12 @@ PoseItems::Out PoseItems::declare(GraphBuilder& builder, const In& in) const {
   const SceneInputs& s = in.scene;
   for (const BufferHandle b : {s.item_groups, s.item_spans, s.item_sections, s.mesh_instances})
     builder.read(b, Access::compute_read, "groups of items");
-  for (const BufferHandle b : {s.posed_transforms, s.posed_items, s.batch_spans, s.posed_batches})
+  for (const BufferHandle b : {s.posed_transforms, s.posed_items, s.batch_spans, s.posed_batches, s.posed_places})
     builder.read_optional(b, Access::compute_read);
   Out out;
   out.transforms = builder.write(s.transforms, Access::compute_write);
   out.items = builder.write(s.items, Access::compute_write);
+  if (s.places) out.places = builder.write(s.places, Access::compute_write);
   out.pose_transforms = builder.pipeline(ComputePipelineDesc{"pose_items_transforms.comp", {}});
   out.pose_items = builder.pipeline(ComputePipelineDesc{"pose_items.comp", {}});
   if (s.batch_count == 0) return out;
@@ -50,6 +51,8 @@ void PoseItems::record(CommandList& commands, const In& in, const Out& out) cons
   push.posed_transforms = address(s.posed_transforms), push.posed_items = address(s.posed_items);
   push.posed_batches = address(s.posed_batches);
   push.transforms = address(out.transforms), push.items = address(out.items), push.batches = address(out.batches);
+  push.posed_places = address(s.posed_places);
+  push.places = out.places ? commands.address(out.places) : 0;
   push.transform_count = s.transform_count, push.item_count = s.item_count, push.batch_count = s.batch_count;
   push.group_count = s.item_group_count, push.span_count = s.item_span_count;
   push.batch_span_count = s.batch_span_count;

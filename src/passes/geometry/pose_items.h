@@ -21,7 +21,7 @@ struct PoseItems {
     SceneInputs scene;
   };
   struct Out {
-    BufferHandle transforms, items, batches;
+    BufferHandle transforms, items, batches, places;
     PipelineHandle pose_transforms, pose_items, pose_batches;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;

@@ -135,16 +135,52 @@ RasterizeViews::Out RasterizeViews::declare(GraphBuilder& builder, const In& in)
   texels.zeroed = true;
   Out out;
   out.texels = builder.create(texels);
-  out.steps = declare_steps(builder, in.scene, in.masks, in.deformed, out.texels, knobs, "#VIEWS=1", {});
+  if (image.apart) builder.read(in.scene.places, Access::compute_read, "where things are in the world");
+  out.steps = declare_steps(builder, in.scene, in.masks, in.deformed, out.texels, knobs,
+                            image.apart ? "#VIEWS=1#LAMPS=1" : "#VIEWS=1", {});
+  if (image.apart) {
+    out.depth = builder.create(image_desc(image, float_format));
+    builder.begin_step();
+    out.cleared = out.depth = builder.write(out.depth, Access::transfer_destination);
+  }
   builder.begin_step();
   builder.read(out.texels, in.floats ? Access::compute_read : Access::transfer_source, "the views' depths");
-  out.depth = builder.create(image_desc(image, in.floats ? float_format : depth_format));
-  if (in.floats) out.store = builder.pipeline(ComputePipelineDesc{"view_texels.comp", {}});
-  out.depth = builder.write(out.depth, in.floats ? Access::storage_image_write : Access::transfer_destination);
+  if (!image.apart) out.depth = builder.create(image_desc(image, in.floats ? float_format : depth_format));
+  if (in.floats)
+    out.store = builder.pipeline(ComputePipelineDesc{image.apart ? "view_tiles.comp" : "view_texels.comp", {}});
+  const auto view = image.apart ? std::optional(ImageKind::d2_array) : std::nullopt;
+  out.depth =
+      builder.write(out.depth, in.floats ? Access::storage_image_write : Access::transfer_destination, {}, view);
   return out;
 }
 
+namespace {
+// Views that are equally large follow one another.
+void store_tiles(CommandList& commands, const RasterizeViews::In& in, const RasterizeViews::Out& out) {
+  const ViewImage& image = *in.image;
+  const auto size_of = [&](uint32_t drawn) { return image.views[image.drawn[drawn]].size_px.x; };
+  shared::ViewTilesPush push{};
+  push.texels = commands.address(out.texels);
+  push.views = commands.address(in.views.table) + in.views.first * sizeof(shared::View);
+  push.image_px = image.size_px;
+  push.image = commands.storage(out.depth);
+  commands.bind(out.store);
+  for (uint32_t first = 0, end = 0; first < image.drawn.size(); first = end) {
+    while (end < image.drawn.size() && size_of(end) == size_of(first)) ++end;
+    push.first_view = first, push.size_px = size_of(first);
+    commands.push(push);
+    commands.dispatch(push.size_px / 4, push.size_px, end - first);
+  }
+}
+}  // namespace
+
 void RasterizeViews::record(CommandList& commands, const In& in, const Out& out) const {
+  if (in.views.count == 0) return;
+  if (in.image->apart && commands.step() == 3) {
+    if (!in.image->outlives) commands.clear_image(out.cleared, glm::vec4(0));
+    return;
+  }
+  if (commands.step() == 4) return store_tiles(commands, in, out);
   if (commands.step() == 3) {
     if (!in.floats) return commands.copy_to_image(out.texels, out.depth);
     commands.bind(out.store);
@@ -156,6 +192,7 @@ void RasterizeViews::record(CommandList& commands, const In& in, const Out& out)
   push.views = commands.address(in.views.table) + in.views.first * sizeof(shared::View);
   push.view_masks = in.scene.cull_group_count * shared::cull_group_size;
   push.image_px = in.image->size_px;
+  if (in.image->apart) push.places = commands.address(in.scene.places);
   record_step(commands, in.scene, in.masks, in.deformed, out.texels, out.steps, knobs, in.views.count, push);
 }
 

@@ -52,7 +52,8 @@ std::span<const Knob> LampKnobs::table() {
        .lowest = 1,
        .highest = 16384,
        .levels = {32, 64, 128, 1024},
-       .description = "memory of the shadow maps; what does not fit gets smaller maps, then none, which a note says",
+       .description = "memory of the shadow maps; what does not fit gets smaller maps, then none, which a note says. "
+                      "Films keep up to twice as much from frame to frame",
        .sweep = {16, 64, 128, 1024},
        .required = from_maps},
       {.name = "size_px",

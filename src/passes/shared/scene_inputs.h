@@ -28,6 +28,7 @@ struct SceneInputs {
   // Empty: the host has posed all.
   BufferHandle item_groups, item_spans, item_sections, mesh_instances, batch_spans;
   BufferHandle posed_transforms, posed_items, posed_batches;
+  BufferHandle places, posed_places;  // where transforms lie in the world; empty unless lamps' maps are drawn apart
   uint32_t item_group_count = 0, item_span_count = 0, batch_span_count = 0, transform_count = 0;
   // What a pass poses lights from (passes/lights/pose_lights.h); `lights` is then empty until it has. Empty: the host
   // has posed all.

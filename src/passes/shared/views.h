@@ -19,6 +19,9 @@ struct ViewRange {
   // As uploaded in `regions`: the first command of each view and run, run by run within a view, and the end of all.
   // Where a region is empty the view does not draw the run. Null: the camera, with room for every item.
   std::shared_ptr<const std::vector<uint32_t>> first_command;
+  // Of how many views, and of how many draw commands, the buffers are, where that is more.
+  uint32_t room = 0;
+  uint64_t commands = 0;
   bool is_camera() const { return first_command == nullptr; }
 };
 
@@ -28,6 +31,14 @@ struct ViewImage {
   std::string name;
   uint32_t size_px = 0, layers = 0;
   std::vector<shared::View> views;
+  // Each view is drawn apart, about its light and in a place that only its size decides, so that its texels are the
+  // same whatever the camera and the other views are; `views` says where its tile is in the image that is read. Only
+  // those in `drawn` are drawn, by their places among `views`, the others being there already: the image outlives the
+  // frame, and is then another than that of this size (plan/lamp_pool.h).
+  bool apart = false, outlives = false;
+  std::vector<uint32_t> drawn;
+  uint32_t most_px = 0;   // a view's side, at most
+  uint64_t commands = 0;  // of all views, for which there is room
 };
 
 inline ImageDesc image_desc(const ViewImage& image, VkFormat format) {

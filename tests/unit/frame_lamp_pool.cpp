@@ -1,0 +1,138 @@
+#include "plan/lamp_pool.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "base/rng.h"
+
+namespace candela {
+namespace {
+
+constexpr uint32_t layer_px = 512;
+constexpr uint64_t layer_bytes = uint64_t(layer_px) * layer_px * sizeof(float);
+
+LampMap map_of(uint64_t number, uint32_t size_px) { return {size_px, Hash128{number, size_px}}; }
+
+std::vector<LampMap> sorted(std::vector<LampMap> maps) {
+  std::ranges::stable_sort(maps, std::ranges::greater(), &LampMap::size_px);
+  return maps;
+}
+
+// Each texel belongs to one map at most.
+void expect_apart(const std::vector<LampTile>& tiles, const std::vector<LampMap>& maps, uint32_t layers) {
+  std::vector<int> taken(size_t(layers) * layer_px * layer_px / (64 * 64), -1);
+  for (size_t m = 0; m < maps.size(); ++m) {
+    EXPECT_EQ(tiles[m].origin_px % maps[m].size_px, glm::uvec2(0));
+    for (uint32_t y = 0; y < maps[m].size_px; y += 64)
+      for (uint32_t x = 0; x < maps[m].size_px; x += 64) {
+        const glm::uvec2 at = (tiles[m].origin_px + glm::uvec2(x, y)) / 64u;
+        ASSERT_LT(tiles[m].layer, layers);
+        ASSERT_LT(std::max(at.x, at.y), layer_px / 64);
+        int& owner = taken[(size_t(tiles[m].layer) * (layer_px / 64) + at.y) * (layer_px / 64) + at.x];
+        EXPECT_EQ(owner, -1) << m;
+        owner = int(m);
+      }
+  }
+}
+
+PlacedLamps placed(const LampPool& before, const std::vector<LampMap>& maps, uint64_t layers = 2) {
+  auto out = place_lamps(before, maps, true, layer_px, layers * layer_bytes);
+  EXPECT_TRUE(out);
+  return out.value_or(PlacedLamps{});
+}
+
+}  // namespace
+
+TEST(LampPool, DrawsWhatIsNewAndNothingElse) {
+  const std::vector<LampMap> first = {map_of(1, 256), map_of(2, 128), map_of(3, 64)};
+  const PlacedLamps a = placed({}, first);
+  EXPECT_EQ(a.drawn, (std::vector<uint32_t>{0, 1, 2}));
+  EXPECT_TRUE(a.pool.fresh);
+  LampPool pool = a.pool;
+  pool.fresh = false;
+  // One left, one came, and one is of another size: the old one stays for later.
+  const std::vector<LampMap> second = {map_of(4, 256), map_of(3, 128), map_of(2, 128)};
+  const PlacedLamps b = placed(pool, second);
+  EXPECT_EQ(b.drawn, (std::vector<uint32_t>{0, 1}));
+  EXPECT_FALSE(b.pool.fresh);
+  EXPECT_EQ(b.tiles[2].origin_px, a.tiles[1].origin_px);
+  const PlacedLamps c = placed(b.pool, first);
+  EXPECT_TRUE(c.drawn.empty());
+  for (size_t m = 0; m < first.size(); ++m) EXPECT_EQ(c.tiles[m].origin_px, a.tiles[m].origin_px);
+}
+
+TEST(LampPool, PlacesWhatChangesForTheFrameAlone) {
+  std::vector<LampMap> maps = {map_of(1, 256), map_of(2, 256)};
+  maps[0].key.reset();
+  const PlacedLamps a = placed({}, maps);
+  EXPECT_EQ(a.drawn.size(), 2u);
+  EXPECT_EQ(a.pool.maps.size(), 1u);
+  const PlacedLamps b = placed(a.pool, maps);
+  EXPECT_EQ(b.drawn, std::vector<uint32_t>{0});
+  expect_apart(b.tiles, maps, b.pool.layers);
+}
+
+TEST(LampPool, DrawsTwoLikeMapsOnce) {
+  const PlacedLamps a = placed({}, {map_of(1, 256), map_of(1, 256)});
+  EXPECT_EQ(a.drawn, std::vector<uint32_t>{0});
+  EXPECT_EQ(a.tiles[0].origin_px, a.tiles[1].origin_px);
+}
+
+TEST(LampPool, PutsTheNewOverWhatWasNotUsedForTheLongestTime) {
+  // One layer, of four maps.
+  LampPool pool;
+  for (const uint64_t number : {1, 2, 3, 4}) pool = placed(pool, {map_of(number, 256)}, 1).pool;
+  EXPECT_EQ(pool.maps.size(), 4u);
+  pool = placed(pool, {map_of(1, 256)}, 1).pool;
+  pool = placed(pool, {map_of(5, 256)}, 1).pool;
+  EXPECT_TRUE(placed(pool, {map_of(1, 256)}, 1).drawn.empty());
+  EXPECT_EQ(placed(pool, {map_of(2, 256)}, 1).drawn.size(), 1u);
+  EXPECT_TRUE(placed(pool, {map_of(3, 256)}, 1).drawn.empty());
+}
+
+TEST(LampPool, AnyFrameThatFitsIsPlacedWhateverCameBefore) {
+  Rng rng(31);
+  LampPool pool;
+  for (int frame = 0; frame < 200; ++frame) {
+    std::vector<LampMap> maps;
+    for (uint64_t texels = 0;;) {
+      LampMap map = map_of(rng.next() % 40, 64u << rng.next() % 4);
+      texels += uint64_t(map.size_px) * map.size_px;
+      if (texels > 2 * uint64_t(layer_px) * layer_px) break;
+      if (rng.next() % 8 == 0) map.key.reset();
+      if (std::ranges::none_of(maps, [&](const LampMap& m) { return m.key && m.key == map.key; })) maps.push_back(map);
+    }
+    maps = sorted(maps);
+    const PlacedLamps next = placed(pool, maps);
+    ASSERT_EQ(next.tiles.size(), maps.size());
+    expect_apart(next.tiles, maps, next.pool.layers);
+    // What is not drawn was where it is read.
+    for (uint32_t m = 0; m < maps.size(); ++m) {
+      if (std::ranges::binary_search(next.drawn, m)) continue;
+      ASSERT_TRUE(maps[m].key);
+      EXPECT_TRUE(std::ranges::any_of(pool.maps, [&](const LampPool::Map& old) {
+        return old.key == maps[m].key && old.size_px == maps[m].size_px &&
+               old.tile.origin_px == next.tiles[m].origin_px && old.tile.layer == next.tiles[m].layer;
+      }));
+      EXPECT_FALSE(next.pool.fresh);
+    }
+    pool = next.pool;
+  }
+}
+
+TEST(LampPool, GrowsWithTheFramesAsFarAsItMay) {
+  const std::vector<LampMap> one = {map_of(1, 512)}, two = {map_of(1, 512), map_of(2, 512)};
+  const PlacedLamps a = placed({}, {map_of(9, 64)}, 8);
+  EXPECT_EQ(a.pool.layers, 1u);
+  const PlacedLamps b = placed(a.pool, two, 8);
+  EXPECT_EQ(b.pool.layers, 8u);
+  EXPECT_TRUE(b.pool.fresh);
+  EXPECT_EQ(placed(b.pool, one, 8).pool.layers, 8u) << "it never shrinks";
+  EXPECT_TRUE(placed(b.pool, one, 8).drawn.empty());
+  EXPECT_EQ(placed({}, two, 3).pool.layers, 3u);
+  EXPECT_FALSE(place_lamps({}, two, true, layer_px, layer_bytes)) << "two layers do not fit into one";
+  EXPECT_TRUE(place_lamps(b.pool, two, false, layer_px, 8 * layer_bytes)->pool.fresh) << "an image of another kind";
+}
+
+}  // namespace candela

@@ -67,7 +67,12 @@ AmbientLobes whole_sky_lobes(Surface s, BrdfTerms b, vec3 facing) {
   } else if (IBL_METHOD == ibl_lobe) {
     const vec2 lobe = lobe_shape(frame.image_light.lobe_texture, frame.image_light.clamp_sampler, s.roughness,
         clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0));
-    specular *= filtered_sky(in_sky(normalize(mix(s.normal, mirrored, lobe.x))), lobe.y);
+    const float sharp = MIRROR_TAPS != 0 && mirror_known ? mirror_share(slice_of_roughness(s.roughness)) : 0.0;
+    vec3 sky = vec3(0.0);
+    if (sharp < 1.0) sky = (1.0 - sharp) * filtered_sky(in_sky(normalize(mix(s.normal, mirrored, lobe.x))), lobe.y);
+    if (MIRROR_TAPS != 0 && sharp > 0.0)
+      sky += sharp * mirrored_sky(in_sky(mirrored), in_sky(mirror_across), in_sky(mirror_down), b.alpha);
+    specular *= sky;
     specular += sky_lights(in_image, lobe.y);
     specular *= frame.sky_intensity;
   } else {

@@ -82,6 +82,9 @@ BrdfTerms brdf_terms(Surface s, vec3 v) {
   return b;
 }
 
+// Of a sun that a smooth surface mirrors: its lobe times the cosine to light, and how much of the lobe that is
+// (lib/light_eval.glsl); below 0: none.
+float mirrored_lobe = -1.0, mirrored_share = 0.0;
 #ifdef FACETS_DISC
 // Of facets, D is the mean over a disc of slopes about the half vector of this radius.
 float facets_disc = 0.0;
@@ -101,6 +104,8 @@ float ggx_dv(BrdfTerms b, vec3 h, float h_h, float n_l) {
   const float fraction = off > 0.0 ? 2.0 * b.alpha2 / (root + off) : 0.5 * (root - off) / max(disc * n_h2, 1e-30);
   return (0.5 / PI) * h_h * h_h * fraction / (root * smith);
 #endif
+  if (MIRROR_TAPS != 0 && mirrored_lobe >= 0.0)
+    return mix((0.5 / PI) * b.alpha2 * h_h * h_h / (k * k * smith), mirrored_lobe / max(n_l, 1e-4), mirrored_share);
   return (0.5 / PI) * b.alpha2 * h_h * h_h / (k * k * smith);
 }
 

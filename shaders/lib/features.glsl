@@ -17,7 +17,9 @@ layout(constant_id = 14) const int IS_SUBSAMPLE = 0;       // one of several sam
 layout(constant_id = 15) const int HAS_SUN_SHADOWS = 0;    // of suns: 1 of some, from maps; 2 traced; + 4 soft
 layout(constant_id = 16) const int HAS_OCCLUSION = 0;      // its texels' shape (shared/occlusion.h); below 0: traced
 layout(constant_id = 13) const int HAS_TEXTURES = 0;       // any of the above: UVs are passed on
-layout(constant_id = 17) const int IBL_METHOD = 0;         // of reflections of a sky image; 0: spherical harmonics
+layout(constant_id = 17) const int IBL_LIGHT = 0;          // of reflections of a sky image; 0: spherical harmonics
+const float smooth_roughness = 0.0992;                     // scene/survey.h
+const int IBL_METHOD = IBL_LIGHT & 255, MIRROR_TAPS = IBL_LIGHT >> 8;  // what smooth surfaces mirror; 0: as rough ones
 layout(constant_id = 18) const int HAS_SKY_IRRADIANCE = 0; // a map of the sky's diffuse light
 const int ibl_split = 1, ibl_lobe = 2, ibl_sampled = 3;
 layout(constant_id = 19) const int HAS_LAMP_SHADOWS = 0;   // the same of point and spot lights

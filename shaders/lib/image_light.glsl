@@ -44,6 +44,39 @@ vec3 sky_lights(BrdfTerms b, float slice) {
   return fraction * sum;
 }
 
+// The image itself over what a pixel mirrors, about a direction with its changes from pixel to pixel, widened by the
+// lobe: a Gaussian's axes in texels, and along the longer one several lookups, each as wide as the shorter or, where
+// taps do not suffice, as their distance (as anisotropic filters of textures do: McCormack et al., "Feline", 1999).
+vec3 mirrored_sky(vec3 d, vec3 across, vec3 down, float alpha) {
+  const vec2 size = frame.sky_size_px;
+  const float flat2 = max(dot(d.xz, d.xz), 1e-6), flat1 = sqrt(flat2);
+  const vec2 scale = size * vec2(0.5 / PI, 1.0 / PI);
+  const vec2 a = scale * vec2((d.x * across.z - d.z * across.x) / flat2, -across.y / flat1);
+  const vec2 b = scale * vec2((d.x * down.z - d.z * down.x) / flat2, -down.y / flat1);
+  // Variances: of a box as wide as the step a twelfth of its square; of the lobe, of which half lies within 2 alpha.
+  const vec2 lobe = 1.7 * alpha * scale * vec2(1.0 / flat1, 1.0);
+  const vec3 s = vec3(a.x * a.x + b.x * b.x, a.y * a.y + b.y * b.y, a.x * a.y + b.x * b.y) / 12.0 +
+      vec3(lobe * lobe, 0.0);
+  const float mean = 0.5 * (s.x + s.y), off = 0.5 * (s.x - s.y), root = sqrt(off * off + s.z * s.z);
+  const float longer = sqrt(12.0 * (mean + root)), shorter = sqrt(12.0 * max(mean - root, 0.0));
+  vec2 axis = off > 0.0 ? vec2(off + root, s.z) : vec2(s.z, root - off);
+  axis = dot(axis, axis) > 0.0 ? normalize(axis) : vec2(1.0, 0.0);
+  const int taps = int(clamp(ceil(longer / max(shorter, 1.0)), 1.0, float(MIRROR_TAPS)));
+  const float lod = log2(max(max(shorter, longer / float(taps)), 1.0));
+  const vec2 uv = vec2(atan(d.z, d.x) / (2.0 * PI) + 0.5, acos(clamp(d.y, -1.0, 1.0)) / PI);
+  const vec2 uv_step = longer * axis / size;
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < taps; ++i)
+    sum += textureLod(sampler2D(textures[frame.sky_texture], samplers[frame.sky_sampler]),
+        uv + ((float(i) + 0.5) / float(taps) - 0.5) * uv_step, lod).rgb;
+  return sum / float(taps);
+}
+// How much of a lobe of a slice mirrors sharply.
+float mirror_share(float slice) {
+  const float first = slice_of_roughness(least_roughness), last = float(sky_lights_after);
+  return clamp((last - slice) / (last - first), 0.0, 1.0);
+}
+
 struct SkyLobes {
   vec3 diffuse, specular;
 };

@@ -3,6 +3,7 @@
 #define LIGHT_EVAL
 #include "lib/light_data.glsl"
 #include "lib/unfused_dot.glsl"
+#include "lib/axes.glsl"
 
 // What of the light's intensity arrives at the position, per square metre perpendicular to its direction l. Exactly
 // zero outside the range and the cone. Both ends are differences of nearly equal numbers; precise, so that all shaders
@@ -60,10 +61,42 @@ vec3 light_along(LightRef light, BrdfTerms brdf, vec3 l, float arriving) {
 #endif
 }
 
+#ifndef LOBED
+// A smooth surface mirrors a sun's disc within less than a pixel where it is curved: its light over what the pixel
+// mirrors (mirror_across, mirror_down), the disc and the lobe, each as a Gaussian of its variance. That of the pixel is
+// half a pixel wide, so that the sum over pixels keeps all light (within 2 %).
+void mirror_sun(LightRef light, BrdfTerms b, vec3 l) {
+  mirrored_lobe = -1.0;
+  const float roughness = sqrt(b.alpha), radius = light_word(light, 7u).x;
+  if (!mirror_known || roughness >= smooth_roughness || !(radius > 0.0) || b.exponent >= 0.0 ||
+      floatBitsToUint(light_word(light, 3u).y) != light_directional)
+    return;
+  mirrored_share = clamp(log2(smooth_roughness / roughness) / log2(smooth_roughness / least_roughness), 0.0, 1.0);
+  const mat3 axes = axes_about(reflect(-b.to_viewer, b.normal));
+  const vec3 off = l * axes;
+  mirrored_lobe = 0.0;
+  if (!(off.z > 0.0)) return;
+  const vec2 a = (mirror_across * axes).xy, c = (mirror_down * axes).xy;
+  const float own = 0.25 * radius * radius + 2.89 * b.alpha2;  // of the lobe half lies within 2 alpha
+  const float xx = own + 0.25 * (a.x * a.x + c.x * c.x), yy = own + 0.25 * (a.y * a.y + c.y * c.y),
+              xy = 0.25 * (a.x * a.y + c.x * c.y), det = max(xx * yy - xy * xy, own * own);
+  const float distance2 = (yy * off.x * off.x - 2.0 * xy * off.x * off.y + xx * off.y * off.y) / det;
+  mirrored_lobe = exp(-0.5 * distance2) / (2.0 * PI * sqrt(det));
+}
+#endif
+
 vec3 light_contribution(LightRef light, BrdfTerms brdf, vec3 position) {
   vec3 l;
   const float arriving = light_arriving(light, position, l);
   // Also keeps an overflowing highlight from turning no light into 0 times infinity.
   if (arriving == 0.0) return vec3(0.0);
+#ifndef LOBED
+  if (MIRROR_TAPS != 0) {
+    mirror_sun(light, brdf, l);
+    const vec3 sum = light_along(light, brdf, l, arriving);
+    mirrored_lobe = -1.0;
+    return sum;
+  }
+#endif
   return light_along(light, brdf, l, arriving);
 }

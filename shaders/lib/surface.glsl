@@ -175,6 +175,43 @@ float widened(float roughness, float variance) {
   return sqrt(sqrt(min(alpha * alpha + min(2.0 * variance, specular_aa_most), 1.0)));
 }
 
+// What a pixel of a smooth surface mirrors: the change of the unit mirror direction from pixel to pixel (Igehy, "Tracing
+// Ray Differentials", 1999). Of what load_surface was called for last, with MIRROR_TAPS; else, and of the surfaces that
+// rays meet and of G-buffers, not known.
+bool mirror_known = false;
+vec3 mirror_across = vec3(0.0), mirror_down = vec3(0.0);
+vec3 mirror_step(vec3 n, vec3 d, vec3 n_step, vec3 d_step) {
+  return d_step - 2.0 * ((dot(d_step, n) + dot(d, n_step)) * n + dot(d, n) * n_step);
+}
+#ifdef FACETS_DISC
+void find_mirror(Material m, Varyings v, vec3 normal, float facing, vec3 to_viewer) {}
+#else
+void find_mirror(Material m, Varyings v, vec3 normal, float facing, vec3 to_viewer) {
+#ifdef TRIANGLES
+  const vec3 plain = surface_normal(m, v, 1.0, vec3(0.0));
+  vec3 n_across = facing * (surface_normal(m, varyings_beside(v, false), 1.0, vec3(0.0)) - plain);
+  vec3 n_down = facing * (surface_normal(m, varyings_beside(v, true), 1.0, vec3(0.0)) - plain);
+#else
+  vec3 n_across = dFdx(normal), n_down = dFdy(normal);
+#endif
+  const vec3 d = -to_viewer;
+  vec3 d_across = vec3(0.0), d_down = vec3(0.0);
+  if (frame.perspective != 0u) {
+    const float nearness = -dot(d, frame.camera_back);  // one over the ray's length at depth 1
+    const vec2 px = 2.0 * frame.tan_half / vec2(frame.size_px) * nearness;
+    d_across = px.x * (frame.camera_right - dot(frame.camera_right, d) * d);
+    d_down = -px.y * (frame.camera_up - dot(frame.camera_up, d) * d);
+  }
+  mirror_across = mirror_step(normal, d, n_across, d_across);
+  mirror_down = mirror_step(normal, d, n_down, d_down);
+  if (IS_SUBSAMPLE != 0) {
+    mirror_across *= pc.subsample_footprint;
+    mirror_down *= pc.subsample_footprint;
+  }
+  mirror_known = true;
+}
+#endif
+
 Surface load_surface(Material m, Varyings v, float facing, vec3 to_viewer) {
   Surface s;
   const vec4 base = surface_base_color(m, v);
@@ -213,6 +250,7 @@ Surface load_surface(Material m, Varyings v, float facing, vec3 to_viewer) {
   s.dielectric_f0 = min(m.ior_f0 * specular_color, vec3(1.0)) * specular;
   s.dielectric_f90 = specular;
   s.has_facets = BLINN_PHONG == 0 || (m.flags & material_blinn_phong) == 0u;
+  if (MIRROR_TAPS != 0 && s.roughness < smooth_roughness) find_mirror(m, v, s.normal, facing, to_viewer);
   if (SPECULAR_AA != 0) s.roughness = widened(s.roughness, normal_variance(m, v, s.normal));
 #ifdef LOBED
   s.lobes = load_lobes(m.id, v, s.base_color, s.normal, facing, to_viewer);

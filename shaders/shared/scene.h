@@ -77,7 +77,7 @@ struct Light {
   float spot_scale, spot_offset;  // of a stand-in the first is the inverse of its inner range (plan/stand_ins.h)
   vec3 intensity;                 // cd or lux, times colour
   uint shadow;       // 1 + its place among the frame's SunShadows, or, with lamp_shadow_bit, LampShadows; 0: no maps
-  float radius_m;    // of a point or spot light's sphere; 0: a point
+  float radius_m;    // of a point or spot light's sphere, or of a directional light's disc in radians; 0: a point
   float sun_height;  // of a directional light's disc in the sky, for shadows: 1 - cos of its radius; 0: a point
 };
 

@@ -78,7 +78,7 @@ shared::Light shared_light(const LightItem& given) {
   out.spot_scale = float(scale / 2);
   out.spot_offset = float(outer * scale);
   if (l.inner_m > 0) out.spot_scale = inverse_range(l.inner_m);
-  out.radius_m = l.radius_m;
+  out.radius_m = l.type == LightType::directional ? float(l.radius_rad) : l.radius_m;
   if (!l.is_hard) out.sun_height = float(one_minus_cosine(l.radius_rad));
   return out;
 }

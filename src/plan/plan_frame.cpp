@@ -67,7 +67,9 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   if (f.surfaces.specular_aa != 0) s.features.push_back(specular_aa_constant(f.surfaces.specular_aa));
   if (f.facts.image_light) {
     const bool sampled = IblMethod(f.image_light.method) == IblMethod::sampled;
-    const auto more = image_light_constants(f.image_light.method, !sampled && f.image_light.irradiance_px > 0);
+    const bool mirrors = f.facts.any_smooth && IblMethod(f.image_light.method) == IblMethod::lobe;
+    const auto more = image_light_constants(f.image_light.method, !sampled && f.image_light.irradiance_px > 0,
+                                            mirrors ? f.image_light.mirror_taps : 0);
     s.features.insert(s.features.end(), more.begin(), more.end());
   }
   s.item_count = u.item_count, s.light_count = u.constants.light_count;

@@ -47,6 +47,8 @@ void use_material(SceneFacts& facts, const Material& m, bool refraction) {
   use_texture(facts, m.specular_texture, facts.any_specular_texture);
   use_texture(facts, m.specular_color_texture, facts.any_specular_texture);
   facts.any_blinn_phong |= m.blinn_phong.shades;
+  // Of a texture only the factor is known.
+  facts.any_smooth |= m.roughness < smooth_roughness;
   if (m.ior != 1.5f || m.specular != 1 || m.specular_color != glm::vec3(1) || m.specular_texture ||
       m.specular_color_texture)
     facts.any_specular = true;

@@ -12,6 +12,9 @@ namespace candela {
 
 // What the frame holds: enough for passes to say whether they are needed. Every value prints as
 // JSON.
+// Surfaces below it mirror a sky image sharply: the roughness of the first of its maps that lacks bright spots.
+inline constexpr float smooth_roughness = 0.0992f;
+
 struct SceneFacts {
   uint32_t draw_items = 0, opaque_items = 0, mask_items = 0, blend_items = 0;
   uint32_t lit_items = 0, unlit_items = 0;  // of opaque and mask
@@ -34,6 +37,7 @@ struct SceneFacts {
   bool any_normal_texture = false, any_base_texture = false, any_orm_texture = false, any_occlusion_texture = false,
        any_emissive_texture = false, any_specular_texture = false, any_vertex_color = false, any_uv1 = false,
        any_texture_transform = false, any_specular = false, any_blinn_phong = false;  // over visible materials
+  bool any_smooth = false;                      // of a roughness at which the sky is mirrored sharply
   uint32_t lobes = 0, lobe_textures = 0;        // 1 << Lobe: what visible materials show, and what of it has textures
   std::vector<bool> material_used, image_used;  // by visible items: only these are uploaded and decoded
   std::vector<uint32_t> cut_outs;               // scene/cut_outs.h; only `candela facts` asks

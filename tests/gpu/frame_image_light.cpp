@@ -32,6 +32,67 @@ class ImageLight : public SkyTest {
   }
 };
 
+// A ball of metal scatters light from far evenly to all sides: over a quarter of its radius squared it sends a spot's
+// illuminance to the camera, however much smaller than a pixel the spot's image on it is. With the spot in the image
+// and with it as a light, the more lookups the nearer; one direction of the filtered sky is off by its half.
+TEST_F(ImageLight, ABallMirrorsAllOfASmallSpot) {
+  const glm::dvec3 spot = glm::normalize(glm::dvec3(0.4, 0.5, 0.7));
+  const Texels sky =
+      write_sky("spot", [=](glm::dvec3 d) { return glm::dvec3(glm::dot(d, spot) > 0.9998 ? 1e4 : 0.0); });
+  double illuminance = 0;
+  for (const auto& [d, light] : sky.light) illuminance += light.x;
+  ASSERT_GT(illuminance, 0);
+  GltfBuilder b = empty_scene();
+  use_materials(b);
+  Json metal = base_color(1, 1, 1);
+  metal["metallicFactor"] = 1, metal["roughnessFactor"] = 0;
+  const int material = add_material(b, {{"pbrMetallicRoughness", metal}});
+  constexpr int rings = 24;
+  std::vector<float> places;
+  std::vector<uint32_t> corners;
+  for (uint32_t j = 0; j <= rings; ++j)
+    for (uint32_t i = 0; i <= 2 * rings; ++i) {
+      const double t = std::numbers::pi * j / rings, p = std::numbers::pi * i / rings;
+      for (const double x : {std::sin(t) * std::cos(p), std::cos(t), std::sin(t) * std::sin(p)})
+        places.push_back(float(x));
+      const uint32_t a = j * (2 * rings + 1) + i, below = a + 2 * rings + 1;
+      if (j < rings && i < 2 * rings)
+        for (const uint32_t k : {a, a + 1, below, a + 1, below + 1, below}) corners.push_back(k);
+    }
+  b.json["meshes"].push_back(
+      {{"primitives",
+        {{{"attributes",
+           {{"POSITION", b.accessor<float>("VEC3", places)}, {"NORMAL", b.accessor<float>("VEC3", places)}}},
+          {"indices", b.accessor<uint32_t>("SCALAR", corners)},
+          {"material", material}}}}});
+  add_node(b, {{"mesh", 0}});
+  constexpr double half = 1.1;
+  constexpr int side = 64;
+  b.json["cameras"] = {
+      {{"type", "orthographic"}, {"orthographic", {{"xmag", half}, {"ymag", half}, {"znear", 1}, {"zfar", 9}}}}};
+  add_node(b, {{"camera", 0}, {"translation", {0, 0, 5}}});
+  Job job = job_for(write(b), side, side);
+  job.sky = sky.file;
+  job.effects = "ibl";
+  const std::string kept = ::testing::TempDir() + "candela_spot_kept.look.json";
+  std::ofstream(kept) << R"({"sky": {"extract_sun": false}})";
+  const auto mirrored = [&](const Job& of) {
+    double sum = 0;
+    for (const glm::vec4& p : images_of(of)["beauty"].values<glm::vec4>()) sum += double(p.x);
+    return sum * (2 * half / side) * (2 * half / side) / (illuminance / 4);
+  };
+  for (const char* technique : {"clustered", "visibility"})
+    for (const bool taken : {false, true}) {
+      Job of = job;
+      of.technique = technique;
+      if (!taken) of.look = kept;
+      of.settings = {{"ibl", "mirror_taps", "64"}};
+      const double all = mirrored(of);
+      std::printf("%s, spot %s: %.4f\n", technique, taken ? "taken out" : "in the image", all);
+      EXPECT_NEAR(all, 1, 0.08) << technique << " " << taken;
+    }
+}
+
 // Beside a high wall the sky is open over a quarter of the sphere, whose mean direction by the cosine leans from the
 // normal by atan(2 / pi). Under a sky of radiance 1 + a x the light tells how far it leans.
 TEST_F(ImageLight, BentNormalsLeanWhereTheSkyIsOpen) {

@@ -135,9 +135,9 @@ std::string surface_definitions(const std::vector<SpecConstant>& constants) {
          (scatters_in_bodies(constants) ? "#SCATTERS=1" : "");
 }
 
-std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map) {
+std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map, int mirror_taps) {
   std::vector<SpecConstant> list = {constant(Feature::ibl_method)};
-  list.front().value = uint32_t(method) + 1;
+  list.front().value = uint32_t(method + 1) | uint32_t(mirror_taps) << 8;
   if (irradiance_map) list.push_back(constant(Feature::sky_irradiance));
   return list;
 }

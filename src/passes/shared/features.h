@@ -44,7 +44,8 @@ enum class Feature : uint32_t {
 // The scene-wide constants. Absent features are not listed: the shader's default is 0.
 std::vector<SpecConstant> scene_features(const SceneFacts& facts, bool ambient);
 // What the surfaces of a frame with image-based light need besides (passes/surfaces/ibl_knobs.h).
-std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map);
+// mirror_taps: of smooth surfaces; 0 without.
+std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map, int mirror_taps);
 // Of a frame with that many reflection probes, at least one.
 SpecConstant probes_constant(uint32_t count);
 // Scene-wide constants for a picture that is one of a supersampled frame's.

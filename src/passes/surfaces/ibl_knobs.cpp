@@ -69,6 +69,16 @@ std::span<const Knob> IblKnobs::table() {
            "fraction; fewer show as steps",
        .sweep = {8, 24, 48, 1024},
        .required = filtered},
+      {.name = "mirror_taps",
+       .member = &IblKnobs::mirror_taps,
+       .lowest = 0,
+       .highest = 1 << 16,
+       .levels = {1, 4, 8, 64},
+       .description =
+           "lookups of the sky's image along what a pixel of a smooth surface mirrors of it, which curved surfaces "
+           "stretch; fewer blur more; 0: one direction of the filtered sky, which misses small lights",
+       .sweep = {0, 1, 4, 8, 64},
+       .required = "ibl.method=lobe"},
   };
   return rows;
 }

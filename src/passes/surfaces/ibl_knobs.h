@@ -18,6 +18,7 @@ struct IblKnobs {
   int irradiance_px = 32;
   int pixel_samples = 1024;
   int stretched = 48;
+  int mirror_taps = 8;
   static std::span<const Knob> table();
   static bool matter(const SceneFacts& facts);  // without image-based light they do nothing
   bool operator==(const IblKnobs&) const = default;

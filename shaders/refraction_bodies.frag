@@ -10,6 +10,9 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/bend.glsl"
 #include "lib/image_kinds.glsl"
 #include "shared/refraction.h"
+#ifndef REFRACTION
+#define REFRACTION 2
+#endif
 uint refraction_image(uint place) { return REFRACTION_PLACE(uint(pc.table), place); }
 #include "lib/seen_picture.glsl"
 

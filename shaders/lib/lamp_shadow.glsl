@@ -120,7 +120,7 @@ float lamp_visibility(uint lamp, LightRef light, vec3 position, vec3 normal) {
   const vec2 tangent = clamp(vec2(dot(side.right, q), -dot(side.up, q)) / z, vec2(-most), vec2(most));
   // From the tile's middle: where the tile is must not matter to the last bit.
   const vec2 place = tangent / texel - 0.5, whole = floor(place), f = place - whole;
-  const LampPlane plane = LampPlane(lamp_near_m / z, bias, min(ROUND_LIFT_TEXELS / away, MOST_LIFT_TEXELS) * texel,
+  LampPlane plane = LampPlane(lamp_near_m / z, bias, min(ROUND_LIFT_TEXELS / away, MOST_LIFT_TEXELS) * texel,
       slope, BLIND_TEXELS * texel);
   const uint places = lamps.s[lamp].pixel_places;
   const PixelSpan span = pixel_span(position, normal);
@@ -136,6 +136,7 @@ float lamp_visibility(uint lamp, LightRef light, vec3 position, vec3 normal) {
           sampler2DArray(pass_array_images[pc.lamp_maps], graph_samplers[SAMPLER_NEAREST_CLAMP]),
           vec3((tile.xy + first + 1.0) * lamps.s[lamp].uv_per_texel, tile.z));
       const vec2 from = first - place, weight = 1.0 - part;
+      plane.bias = bias + PIXEL_CORNER_LIFT * texel * length(off);
       compare_texels(plane, stored, from.x + vec4(0.0, 1.0, 1.0, 0.0), from.y + vec4(1.0, 1.0, 0.0, 0.0),
           vec4(weight.x, part.x, part.x, weight.x) * vec4(part.y, part.y, weight.y, weight.y), lit, all);
     }

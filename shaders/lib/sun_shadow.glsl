@@ -12,6 +12,9 @@
 #include "lib/sun_cascades.glsl"
 
 const float KERNEL_TEXELS = 1.25, WIDEST_KERNEL_TEXELS = 2.5, MOST_KERNEL_TEXELS = 6.0;
+// Within a pixel what stands on the plane is no blocker as far as it rises towards the light by no more than this, over
+// the distance from the point across the light: or the foot of a wall would darken the floor before it.
+const float PIXEL_CORNER_LIFT = 2.0;
 const vec2 POISSON_DISC[9] = vec2[](vec2(-0.4862, 0.1613), vec2(0.5966, 0.2921), vec2(0.4500, -0.7884),
                                     vec2(-0.4681, -0.6912), vec2(-0.4098, 0.8839), vec2(0.1890, -0.1863),
                                     vec2(-0.9707, -0.2080), vec2(0.9302, -0.2334), vec2(0.1930, 0.7432));
@@ -80,8 +83,9 @@ float soft_sun_visibility(uint sun, vec3 position, vec3 normal, float n_l, Casca
       across_light(sun, span.down), max(search_m, MOST_KERNEL_TEXELS * texel_m));
   float lit = 0.0;
   for (uint i = 0u; i < count; ++i) {
-    const vec2 off = on_ellipse(reach, shadow_place(i, count, turn + 1.2));
-    const float own = depth + max(dot(slope, off), 0.0);
+    const vec2 p = shadow_place(i, count, turn + 1.2), off = on_ellipse(reach, p);
+    const float beyond_m = length(off - min(radius_m, search_m) * p);
+    const float own = depth + max(dot(slope, off), 0.0) + beyond_m * PIXEL_CORNER_LIFT * per_metre;
     lit += textureGrad(
         sampler2DArrayShadow(pass_array_images[pc.sun_maps], graph_shadow_samplers[SAMPLER_SHADOW_LINEAR]),
         vec4(uv + vec2(off.x, -off.y) * uv_per_metre, layer, own), vec2(0.0), vec2(0.0));
@@ -117,12 +121,13 @@ float sun_visibility(uint sun, vec3 position, vec3 normal) {
       across_light(sun, span.down), MOST_KERNEL_TEXELS * cascade.texel_m);
   precise vec2 slope = -vec2(unfused_dot(normal, suns.s[sun].right), unfused_dot(normal, suns.s[sun].up)) *
       (length(depth_row.xyz) / max(n_l, 0.05));
+  const float corner_lift = PIXEL_CORNER_LIFT * length(depth_row.xyz);
   float lit = 0.0;
   for (int i = 0; i < 9; ++i) {
     const vec2 p = POISSON_DISC[i];
     const vec2 off = on_ellipse(reach, p);
     precise vec2 beyond = off - radius * cascade.texel_m * p;  // of the disc about the point itself
-    precise float own = depth + max(slope.x * beyond.x + slope.y * beyond.y, 0.0);
+    precise float own = depth + max(slope.x * beyond.x + slope.y * beyond.y, 0.0) + length(beyond) * corner_lift;
     precise vec2 at = uv + vec2(off.x, -off.y) * per_metre;
     lit += textureGrad(
         sampler2DArrayShadow(pass_array_images[pc.sun_maps], graph_shadow_samplers[SAMPLER_SHADOW_LINEAR]),

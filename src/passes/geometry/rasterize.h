@@ -65,6 +65,7 @@ struct RasterizeViews {
     BufferHandle texels;
     RasterSteps steps;
     PipelineHandle store;  // of floats
+    PipelineHandle clear;  // of views that are drawn apart
     ImageHandle cleared;   // of views that are drawn apart: what is between their tiles
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;

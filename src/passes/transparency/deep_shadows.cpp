@@ -20,7 +20,7 @@ std::span<const Knob> DeepShadowKnobs::table() {
            "texels along a side of what see-through surfaces leave of a light at each distance, for blended surfaces "
            "and air, over those of its shadow map; off: they are lit as if nothing blended were before them",
        .choices = {"off", "quarter", "half", "full"},
-       .sweep = {off, quarter, half, full}},
+       .sweep = {off, quarter, half}},
       {.name = "slices",
        .member = &DeepShadowKnobs::slices,
        .lowest = 4,

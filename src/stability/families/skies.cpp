@@ -168,9 +168,15 @@ void add_suns_of_images(Recipes& all) {
   using Bright = std::function<bool(int x, int y)>;
   const auto spot = [&](std::string name, std::string what, const Bright& bright, float radiance = 5000) {
     add(all, std::move(name), std::move(what), [=](StabilityInput& in) {
-      return under_image(in, {{"extract_sun", true}}, sky_image(64, 32, [=](int x, int y) {
-                           return bright(x, y) ? glm::vec3(1, 0.9f, 0.7f) * radiance : glm::vec3(0.2f, 0.3f, 0.5f);
-                         }));
+      StabilityScene scene =
+          under_image(in, {{"extract_sun", true}}, sky_image(64, 32, [=](int x, int y) {
+                        return bright(x, y) ? glm::vec3(1, 0.9f, 0.7f) * radiance : glm::vec3(0.2f, 0.3f, 0.5f);
+                      }));
+      // A disc as wide as a texel here, 6 degrees, has penumbrae and highlights that frames only come near to.
+      json look = json::parse(scene.sky_look);
+      look["sun"] = {{"angular_radius_deg", 0}};
+      scene.sky_look = look.dump();
+      return scene;
     });
   };
   spot("sun in the image's zenith", "a whole row of texels", [](int, int y) { return y == 0; });

@@ -173,9 +173,7 @@ void add_suns_of_images(Recipes& all) {
                         return bright(x, y) ? glm::vec3(1, 0.9f, 0.7f) * radiance : glm::vec3(0.2f, 0.3f, 0.5f);
                       }));
       // A disc as wide as a texel here, 6 degrees, has penumbrae and highlights that frames only come near to.
-      json look = json::parse(scene.sky_look);
-      look["sun"] = {{"angular_radius_deg", 0}};
-      scene.sky_look = look.dump();
+      scene.sky_look = json{{"sky", {{"extract_sun", true}}}, {"sun", {{"angular_radius_deg", 0}}}}.dump();
       return scene;
     });
   };

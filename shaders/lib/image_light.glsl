@@ -2,6 +2,7 @@
 // lib/brdf.glsl.
 #include "lib/axes.glsl"
 #include "lib/filtered_sky.glsl"
+#include "lib/visible_normal.glsl"
 
 float slice_of_roughness(float roughness) {
   return max(float(sky_slice_count - 1u) + float(sky_slices_per_octave) * log2(max(roughness, least_roughness)), 0.0);
@@ -114,10 +115,7 @@ SkyLobes sampled_sky(BrdfTerms b, vec3 facing, float roughness) {
     if (b.diffuse != vec3(0.0) && l.z > 0.0)
       sum.diffuse += left * sky_through(facing_axes * l, PI / (float(count) * l.z)).rest;
     // Specular.
-    const float s = 0.5 * (1.0 + stretched.z);
-    const float y = (1.0 - s) * sqrt(max(1.0 - disc.x * disc.x, 0.0)) + s * disc.y;
-    const vec3 nh = disc.x * t1 + y * t2 + sqrt(max(1.0 - disc.x * disc.x - y * y, 0.0)) * stretched;
-    const vec3 h = normalize(vec3(b.alpha * nh.xy, max(nh.z, 1e-6)));
+    const vec3 h = visible_normal(stretched, t1, t2, vec2(b.alpha), disc);
     const float v_h = dot(v, h);
     l = 2.0 * v_h * h - v;
     if (l.z <= 0.0 || v_h <= 0.0) continue;

@@ -1,4 +1,5 @@
 // Part of lib/brdf.glsl where LOBED, after BrdfTerms.
+#include "lib/visible_normal.glsl"
 
 // Width along the tangent: facets are stretched from alpha towards 1.
 float stretched_alpha(float alpha, float anisotropy) { return mix(alpha, 1.0, anisotropy * anisotropy); }
@@ -177,15 +178,12 @@ BrdfTerms under_film(BrdfTerms b, bool facets) {
     const vec3 v = vec3(sqrt(1.0 - n_v * n_v), 0.0, n_v);
     const vec3 stretched = normalize(vec3(b.alpha * v.x, 0.0, v.z));
     const vec3 across = vec3(-stretched.z, 0.0, stretched.x);
-    const float s = 0.5 * (1.0 + stretched.z);
     vec3 sum = vec3(0.0);
     float weights = 0.0;
     for (uint i = 0u; i < count; ++i) {
       const float u = (float(i) + 0.5) / float(count), phi = 2.3999632 * float(i);
       const vec2 disc = sqrt(u) * vec2(cos(phi), sin(phi));
-      const float y = (1.0 - s) * sqrt(max(1.0 - disc.x * disc.x, 0.0)) + s * disc.y;
-      const vec3 nh = vec3(0.0, disc.x, 0.0) + y * across + sqrt(max(1.0 - disc.x * disc.x - y * y, 0.0)) * stretched;
-      const vec3 h = normalize(vec3(b.alpha * nh.xy, max(nh.z, 1e-6)));
+      const vec3 h = visible_normal(stretched, vec3(0.0, 1.0, 0.0), across, vec2(b.alpha), disc);
       const float v_h = dot(v, h), l_z = 2.0 * v_h * h.z - v.z;
       if (!(l_z > 0.0) || !(v_h > 0.0)) continue;
       const float weight = l_z / (l_z + sqrt(l_z * l_z * (1.0 - b.alpha2) + b.alpha2));  // about g2 / g1

@@ -1,5 +1,6 @@
 // Part of lib/image_light.glsl where LOBED: the sky's light on sheen, and sampled_sky() of bases with films, stretched
 // facets and light that passes through.
+#include "lib/visible_normal.glsl"
 
 // What a viewer sees of facets of a width along each axis, and directions that they reflect it to (Heitz, "Sampling the
 // GGX Distribution of Visible Normals", 2018). In the axes of the facets, unit vectors; z is the surface's normal.
@@ -23,10 +24,7 @@ struct FacetSample {
   float pdf;        // of l, per steradian; negative: l is below the surface
 };
 FacetSample sample_facet(VisibleFacets f, vec2 disc) {
-  const float s = 0.5 * (1.0 + f.stretched.z);
-  const float y = (1.0 - s) * sqrt(max(1.0 - disc.x * disc.x, 0.0)) + s * disc.y;
-  const vec3 nh = disc.x * f.t1 + y * f.t2 + sqrt(max(1.0 - disc.x * disc.x - y * y, 0.0)) * f.stretched;
-  const vec3 h = normalize(vec3(f.alpha * nh.xy, max(nh.z, 1e-6)));
+  const vec3 h = visible_normal(f.stretched, f.t1, f.t2, f.alpha, disc);
   const float v_h = dot(f.v, h);
   const vec3 l = 2.0 * v_h * h - f.v;
   if (l.z <= 0.0 || v_h <= 0.0) return FacetSample(h, l, v_h, 0.0, -1.0);

@@ -2,6 +2,7 @@
 // The directions from which a surface's GGX lobe sends light to the camera, by the normals that the viewer sees (Heitz,
 // "Sampling the GGX Distribution of Visible Normals", 2018), and what is made of the light that comes from there. All
 // in camera space. Needs lib/reflections.glsl, lib/axes.glsl, lib/ambient_sh.glsl and a constant HAS_SKY.
+#include "lib/visible_normal.glsl"
 #include "shared/split_sum.h"
 const float LOBE_PI = 3.14159265358979323846;
 
@@ -46,10 +47,7 @@ bool lobe_sample(ReflectedLobe o, uint part, uint parts, uint order, out LobeSam
       float(bitfieldReverse(order) >> 28) / 16.0);
   const float radius = sqrt(u), phi = 2.0 * LOBE_PI * turn;
   const vec2 disc = radius * vec2(cos(phi), sin(phi));
-  const float s = 0.5 * (1.0 + o.stretched.z);
-  const float y = (1.0 - s) * sqrt(max(1.0 - disc.x * disc.x, 0.0)) + s * disc.y;
-  const vec3 nh = disc.x * o.t1 + y * o.t2 + sqrt(max(1.0 - disc.x * disc.x - y * y, 0.0)) * o.stretched;
-  const vec3 h = normalize(vec3(o.alpha * nh.xy, max(nh.z, 1e-6)));
+  const vec3 h = visible_normal(o.stretched, o.t1, o.t2, vec2(o.alpha), disc);
   const float v_h = dot(o.view, h);
   const vec3 local = 2.0 * v_h * h - o.view;
   if (local.z <= 0.0 || v_h <= 0.0) return false;

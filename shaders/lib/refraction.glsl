@@ -6,6 +6,7 @@
 #include "shared/refraction.h"
 #include "lib/axes.glsl"
 #include "lib/glass.glsl"
+#include "lib/visible_normal.glsl"
 // Directions of the lobe that are followed to the depth that is seen there; 0: one look-up at the exit from the body,
 // in the mip level that roughness and index choose (the rule of Khronos's sample renderer).
 layout(constant_id = 40) const int REFRACTION_SAMPLES = 0;
@@ -76,10 +77,7 @@ vec4 seen_through_lobe(GlassPoint g, int samples) {
     const float u = (float(i) + 0.5) / float(samples);
     const float phi = 2.0 * PI * float(bitfieldReverse(uint(i))) * (1.0 / 4294967296.0);
     const vec2 disc = (samples == 1 ? 0.0 : sqrt(u)) * vec2(cos(phi), sin(phi));
-    const float s = 0.5 * (1.0 + stretched.z);
-    const float y = (1.0 - s) * sqrt(max(1.0 - disc.x * disc.x, 0.0)) + s * disc.y;
-    const vec3 nh = disc.x * t1 + y * t2 + sqrt(max(1.0 - disc.x * disc.x - y * y, 0.0)) * stretched;
-    const vec3 h = samples == 1 ? vec3(0.0, 0.0, 1.0) : normalize(vec3(g.alpha * nh.xy, max(nh.z, 1e-6)));
+    const vec3 h = samples == 1 ? vec3(0.0, 0.0, 1.0) : visible_normal(stretched, t1, t2, vec2(g.alpha), disc);
     const float v_h = dot(v, h);
     if (!(v_h > 0.0)) continue;
     vec3 l, from = g.position;

@@ -49,6 +49,43 @@ void add_run(const DrawBatch& run, Bytes& out) {
   for (const bool is : {run.alpha == AlphaMode::mask, run.cull_back, run.mirrored}) out.add(uint32_t(is));
 }
 
+void add_item(const FrameUpload& upload, const Pose& pose, const DrawBatch& run, const shared::Item& item, Bytes& out) {
+  out.add(upload.geometries[item.geometry]);
+  out.add(item.first_index);
+  out.add(item.index_count);
+  add_material(pose, item.material, run, out);
+}
+
+// What a group draws at each of its places.
+void add_sections(const FrameUpload& upload, const Pose& pose, const DrawBatch& run, const DrawSpan& span, Bytes& out) {
+  for (uint32_t s = span.source; s < span.source + span.sections; ++s) {
+    const shared::ItemSection& section = upload.item_sections[s];
+    out.add(upload.geometries[section.geometry]);
+    out.add(section.first_index);
+    out.add(section.index_count);
+    add_material(pose, section.material, run, out);
+  }
+}
+
+// Each run with the groups that a pass poses in it, and then the host's items in it, from the first to before the last.
+template <class Group, class Items>
+void walk_runs(const DrawList& draws, const Group& group, const Items& items) {
+  size_t at = 0;      // among spans, of which one of the host's may reach over several runs
+  uint32_t host = 0;  // items of the host before the run
+  for (const DrawBatch& run : draws.batches) {
+    const uint32_t run_end = run.first + run.count, first_of_host = host;
+    host += run.count;
+    for (; at < draws.spans.size() && draws.spans[at].first < run_end; ++at) {
+      const DrawSpan& span = draws.spans[at];
+      if (span.group < 0 && span.first + span.count > run_end) break;  // the next run's too
+      if (span.group < 0) continue;
+      host -= span.count;
+      group(run, span);
+    }
+    items(run, first_of_host, host);
+  }
+}
+
 CasterHash hash_of(const Bytes& bytes) {
   const Hash128 hash = bytes.hash();
   return {hash.lo, hash.hi};
@@ -62,99 +99,63 @@ CasterHashes caster_hashes(const FrameData& data, const DrawList& draws, const F
   const auto hash_item = [&](uint32_t i, const DrawBatch& run) {
     const shared::Item& item = upload.items[i];
     const shared::Transform& t = upload.transforms[item.transform];
-    const shared::Geometry& geometry = upload.geometries[item.geometry];
     Bytes bytes;
     add_run(run, bytes);
     for (const glm::vec4& row : {t.row0, t.row1, t.row2}) bytes.add(glm::vec3(row));
     bytes.add(upload.places[item.transform]);
-    bytes.add(geometry);
-    bytes.add(item.first_index);
-    bytes.add(item.index_count);
-    add_material(pose, item.material, run, bytes);
+    add_item(upload, pose, run, item, bytes);
     out.items[i] = hash_of(bytes);
-    out.items[i].deformed = geometry.flags & shared::geometry_deformed;
+    out.items[i].deformed = upload.geometries[item.geometry].flags & shared::geometry_deformed;
   };
-  size_t at = 0;      // among spans, of which one of the host's may reach over several runs
-  uint32_t host = 0;  // items of the host before the run
-  for (const DrawBatch& run : draws.batches) {
-    const uint32_t run_end = run.first + run.count, first_of_host = host;
-    host += run.count;
-    for (; at < draws.spans.size() && draws.spans[at].first < run_end; ++at) {
-      const DrawSpan& span = draws.spans[at];
-      if (span.group < 0 && span.first + span.count > run_end) break;  // the next run's too
-      if (span.group < 0) continue;
-      host -= span.count;
-      const ItemGroup& group = data.item_groups[size_t(span.group)];
-      Bytes bytes;
-      add_run(run, bytes);
-      for (int c = 0; c < 3; ++c) bytes.add(glm::dvec3(group.relative_from_node[c]));
-      bytes.add(group.world_origin);
-      bytes.add(group.node);
-      for (uint32_t s = span.source; s < span.source + span.sections; ++s) {
-        const shared::ItemSection& section = upload.item_sections[s];
-        bytes.add(upload.geometries[section.geometry]);
-        bytes.add(section.first_index);
-        bytes.add(section.index_count);
-        add_material(pose, section.material, run, bytes);
-      }
-      const Hash128 of_group = bytes.hash();
-      for (uint32_t cluster = 0; cluster < group.set->clusters.size(); ++cluster) {
-        Bytes of_cluster;
-        of_cluster.add(of_group);
-        of_cluster.add(cluster);
-        out.clusters.push_back(hash_of(of_cluster));
-      }
+  const auto hash_group = [&](const DrawBatch& run, const DrawSpan& span) {
+    const ItemGroup& group = data.item_groups[size_t(span.group)];
+    Bytes bytes;
+    add_run(run, bytes);
+    for (int c = 0; c < 3; ++c) bytes.add(glm::dvec3(group.relative_from_node[c]));
+    bytes.add(group.world_origin);
+    bytes.add(group.node);
+    add_sections(upload, pose, run, span, bytes);
+    const Hash128 of_group = bytes.hash();
+    for (uint32_t cluster = 0; cluster < group.set->clusters.size(); ++cluster) {
+      Bytes of_cluster;
+      of_cluster.add(of_group);
+      of_cluster.add(cluster);
+      out.clusters.push_back(hash_of(of_cluster));
     }
+  };
+  walk_runs(draws, hash_group, [&](const DrawBatch& run, uint32_t first, uint32_t end) {
     if (casts_shadows(run))
-      tbb::parallel_for(tbb::blocked_range<uint32_t>(first_of_host, host, 256), [&](const auto& range) {
+      tbb::parallel_for(tbb::blocked_range<uint32_t>(first, end, 256), [&](const auto& range) {
         for (uint32_t i = range.begin(); i < range.end(); ++i) hash_item(i, run);
       });
-  }
+  });
   return out;
 }
 
 std::optional<Hash128> caster_hash(const DrawList& draws, const FrameUpload& upload, const Pose& pose,
                                    const TextureKnobs& textures) {
   Bytes out;
+  bool deformed = false;
   // Of instances that a pass poses, where their node is and which they are.
-  const auto add_group = [&](const DrawSpan& span, const DrawBatch& run) {
+  const auto add_group = [&](const DrawBatch& run, const DrawSpan& span) {
+    if (!casts_shadows(run)) return;
     out.add(upload.item_groups[size_t(span.group) + 1]);
-    for (uint32_t s = span.source; s < span.source + span.sections; ++s) {
-      const shared::ItemSection& section = upload.item_sections[s];
-      out.add(upload.geometries[section.geometry]);
-      out.add(section.first_index);
-      out.add(section.index_count);
-      add_material(pose, section.material, run, out);
-    }
+    add_sections(upload, pose, run, span, out);
   };
-  size_t at = 0;      // among spans, of which one of the host's may reach over several runs
-  uint32_t host = 0;  // items of the host before the run
-  for (const DrawBatch& run : draws.batches) {
-    const uint32_t run_end = run.first + run.count, first_of_host = host;
-    host += run.count;
-    for (; at < draws.spans.size() && draws.spans[at].first < run_end; ++at) {
-      const DrawSpan& span = draws.spans[at];
-      if (span.group < 0 && span.first + span.count > run_end) break;  // the next run's too
-      if (span.group < 0) continue;
-      host -= span.count;
-      if (casts_shadows(run)) add_group(span, run);
-    }
-    if (!casts_shadows(run)) continue;
+  walk_runs(draws, add_group, [&](const DrawBatch& run, uint32_t first, uint32_t end) {
+    if (!casts_shadows(run)) return;
     out.add(uint32_t(run.alpha));
     out.add(run.count);
-    for (uint32_t i = first_of_host; i < host; ++i) {
+    for (uint32_t i = first; i < end; ++i) {
       const shared::Item& item = upload.items[i];
-      const shared::Geometry& geometry = upload.geometries[item.geometry];
-      if (geometry.flags & shared::geometry_deformed) return std::nullopt;
+      deformed |= (upload.geometries[item.geometry].flags & shared::geometry_deformed) != 0;
       out.add(item.bounds_centre);
       out.add(item.bounds_extent);
       out.add(upload.transforms[item.transform]);
-      out.add(geometry);
-      out.add(item.first_index);
-      out.add(item.index_count);
-      add_material(pose, item.material, run, out);
+      add_item(upload, pose, run, item, out);
     }
-  }
+  });
+  if (deformed) return std::nullopt;
   for (const Knob& row : TextureKnobs::table()) out.add(row.value(&textures));
   return out.hash();
 }

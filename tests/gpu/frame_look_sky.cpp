@@ -17,6 +17,12 @@ class FrameLookSky : public FrameTest {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
     return ::testing::TempDir() + "candela_" + info->name() + end;
   }
+  // Within 2 %. what: of the message.
+  static void expect_same_middle(const Images& pictures, const Images& expected, double what) {
+    const glm::vec4 a = expected["beauty"].at<glm::vec4>(width / 2, height / 2),
+                    b = pictures["beauty"].at<glm::vec4>(width / 2, height / 2);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(b[c], a[c], 0.02 * a[c]) << what << " " << c;
+  }
   static std::string write_look(const std::string& text) {
     const std::string path = file(".look.json");
     std::ofstream(path) << text;
@@ -247,9 +253,7 @@ TEST_F(FrameLookSky, TakesTheSunOutOfTheImage) {
     ASSERT_TRUE(session);
     const FrameResult frame = render(*session);
     const Images divided = images(frame);
-    const glm::vec4 a = whole["beauty"].at<glm::vec4>(width / 2, height / 2),
-                    b = divided["beauty"].at<glm::vec4>(width / 2, height / 2);
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(b[c], a[c], 0.02 * a[c]) << turn_deg << " " << c;
+    expect_same_middle(divided, whole, turn_deg);
     ASSERT_FALSE(frame.notes.empty());
     EXPECT_NE(frame.notes[0].find("the sky image's sun is a directional light"), std::string::npos);
   }
@@ -291,9 +295,7 @@ TEST_F(FrameLookSky, SunsOfTwoImagesFadeApart) {
     ASSERT_TRUE(session);
     const FrameResult frame = render(*session);
     const Images divided = images(frame);
-    const glm::vec4 a = whole["beauty"].at<glm::vec4>(width / 2, height / 2),
-                    b = divided["beauty"].at<glm::vec4>(width / 2, height / 2);
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(b[c], a[c], 0.02 * a[c]) << weight << " " << c;
+    expect_same_middle(divided, whole, weight);
     int suns = 0;
     for (const std::string& note : frame.notes) suns += note.find("sun is a directional light") != std::string::npos;
     EXPECT_EQ(suns, weight == 0 || weight == 1 ? 1 : 2);

@@ -1,6 +1,7 @@
 #pragma once
 // Scenes of glass before a wall that gives its own light, for tests of what draws surfaces that let light through.
 #include "frame_fixture.h"
+#include "testscenes/procedural_shapes.h"
 
 namespace candela::test {
 
@@ -47,6 +48,18 @@ class GlassTest : public FrameTest {
     add_node(b, {{"mesh", add_square_mesh(b, half, add_material(b, material))},
                  {"translation", {at.x, at.y, at.z}},
                  {"scale", {scale, scale, scale}}});
+  }
+  static void add_shape(GltfBuilder& b, const Shape& shape, const Json& material, glm::dvec3 at) {
+    std::vector<float> position, normal;
+    for (const glm::dvec3& p : shape.position)
+      for (int c = 0; c < 3; ++c) position.push_back(float(p[c]));
+    for (const glm::dvec3& n : shape.normal)
+      for (int c = 0; c < 3; ++c) normal.push_back(float(n[c]));
+    const int place = b.accessor<float>("VEC3", position), facing = b.accessor<float>("VEC3", normal);
+    Json& part = b.primitive({{"POSITION", place}, {"NORMAL", facing}});
+    part["indices"] = b.accessor<uint32_t>("SCALAR", shape.index);
+    part["material"] = add_material(b, material);
+    add_node(b, {{"mesh", int(b.json["meshes"].size()) - 1}, {"translation", {at.x, at.y, at.z}}});
   }
   static Job seen(const GltfBuilder& b, int samples = 1) {
     Job job = job_for(write(b), glass_width, glass_height, samples);

@@ -1,6 +1,5 @@
 // What bodies of glass absorb by the effect `refraction`: by their own faces, and not by the file's thickness alone.
 #include "glass_fixture.h"
-#include "testscenes/procedural_shapes.h"
 
 namespace candela::test {
 
@@ -12,17 +11,7 @@ class TransparencyBodies : public GlassTest {
     return glass_material({.thickness_m = file_thickness_m, .attenuation = attenuation, .distance_m = distance_m});
   }
   static void add_box(GltfBuilder& b, glm::dvec3 size, double z, const Json& material) {
-    const Shape shape = box(size);
-    std::vector<float> position, normal;
-    for (const glm::dvec3& p : shape.position)
-      for (int c = 0; c < 3; ++c) position.push_back(float(p[c]));
-    for (const glm::dvec3& n : shape.normal)
-      for (int c = 0; c < 3; ++c) normal.push_back(float(n[c]));
-    const int place = b.accessor<float>("VEC3", position), facing = b.accessor<float>("VEC3", normal);
-    Json& part = b.primitive({{"POSITION", place}, {"NORMAL", facing}});
-    part["indices"] = b.accessor<uint32_t>("SCALAR", shape.index);
-    part["material"] = add_material(b, material);
-    add_node(b, {{"mesh", int(b.json["meshes"].size()) - 1}, {"translation", {0, 0, z}}});
+    add_shape(b, box(size), material, {0, 0, z});
   }
   // The middle over the wall's colour, as what is left over so many metres.
   static void expect_metres(const GltfBuilder& b, double metres, const std::string& what, const char* backs = "3",

@@ -3,7 +3,6 @@
 #include "passes/surfaces/terms.h"
 #include "plan/plan_frame.h"
 #include "render/reference_frame.h"
-#include "testscenes/procedural_shapes.h"
 
 namespace candela::test {
 
@@ -82,17 +81,7 @@ TEST_F(TransparencyGlass, ClearGlassThatGlows) {
 TEST_F(TransparencyGlass, ABallTurnsThePictureRound) {
   GltfBuilder b = dark();
   add_walls(b, -4);
-  const Shape ball = sphere(0.8, 48, 32);
-  std::vector<float> position, normal;
-  for (const glm::dvec3& p : ball.position)
-    for (int c = 0; c < 3; ++c) position.push_back(float(p[c]));
-  for (const glm::dvec3& n : ball.normal)
-    for (int c = 0; c < 3; ++c) normal.push_back(float(n[c]));
-  const int at = b.accessor<float>("VEC3", position), facing = b.accessor<float>("VEC3", normal);
-  Json& part = b.primitive({{"POSITION", at}, {"NORMAL", facing}});
-  part["indices"] = b.accessor<uint32_t>("SCALAR", ball.index);
-  part["material"] = add_material(b, glass_material({.ior = 1.5, .thickness_m = 1.6}));
-  add_node(b, {{"mesh", int(b.json["meshes"].size()) - 1}});
+  add_shape(b, sphere(0.8, 48, 32), glass_material({.ior = 1.5, .thickness_m = 1.6}), {0, 0, 0});
   Job job = seen(b);
   const auto truth = traced(job, 64);
   std::map<std::string, double> errors;

@@ -1,7 +1,6 @@
 // What see-through surfaces leave of a light (ColoredShadows): known products of sheets under suns and lamps, what is
 // opaque about them, and the light that bodies bend.
 #include "glass_fixture.h"
-#include "testscenes/procedural_shapes.h"
 
 namespace candela::test {
 
@@ -54,18 +53,6 @@ class TransparencyShadows : public GlassTest {
   }
   static void expect_left(glm::dvec3 value, glm::dvec3 expected, const std::string& what, double by = 2e-3) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(value[c], expected[c], by) << what << ", channel " << c;
-  }
-  static void add_shape(GltfBuilder& b, const Shape& shape, const Json& material, glm::dvec3 at) {
-    std::vector<float> position, normal;
-    for (const glm::dvec3& p : shape.position)
-      for (int c = 0; c < 3; ++c) position.push_back(float(p[c]));
-    for (const glm::dvec3& n : shape.normal)
-      for (int c = 0; c < 3; ++c) normal.push_back(float(n[c]));
-    const int place = b.accessor<float>("VEC3", position), facing = b.accessor<float>("VEC3", normal);
-    Json& part = b.primitive({{"POSITION", place}, {"NORMAL", facing}});
-    part["indices"] = b.accessor<uint32_t>("SCALAR", shape.index);
-    part["material"] = add_material(b, material);
-    add_node(b, {{"mesh", int(b.json["meshes"].size()) - 1}, {"translation", {at.x, at.y, at.z}}});
   }
 };
 

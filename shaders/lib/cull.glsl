@@ -38,6 +38,12 @@ bool view_keeps(uint view, Item item) {
     for (int p = 0; p < 4; ++p) served = served && is_inside(views.v[view].served[p], item);
     if (served) return false;
   }
+  return true;
+}
+
+// Whether it is large enough in the view (View::least_px): an approximation, which holds with culling or without.
+bool is_shown(uint view, Item item) {
+  ViewsRef views = ViewsRef(pc.views);
   const float least_px = views.v[view].least_px;
   if (least_px > 0.0) {
     // Clip space is 2 wide, so half a box in clip units is its whole width in units of the viewport's.
@@ -57,6 +63,7 @@ bool item_survives(uint view, uint index) {
     const uint texture = materials.m[item.material].emissive_texture.texture;
     if (materials.m[item.material].emissive != vec3(0.0) && texture == absent) return false;
   }
+  if (HAS_VIEW_TABLE != 0 && !is_shown(view, item)) return false;
   if (pc.culling == 0u) return true;
   return HAS_VIEW_TABLE != 0 ? view_keeps(view, item) : camera_keeps(item);
 }

@@ -12,6 +12,10 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/shade.glsl"
 #include "lib/sample_places.glsl"
 #include "lib/sky_seen.glsl"
+#ifdef WITHOUT_RECORDS
+#define RECORDS_AT pc.rays
+#include "lib/light_records.glsl"
+#endif
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 30) const int SAMPLES = 1;
 #ifndef WHOLE
@@ -78,6 +82,12 @@ void main() {
   const uvec2 pixel = gl_GlobalInvocationID.xy;
   if (any(greaterThanEqual(pixel, frame.size_px))) return;
   pixel_middle = vec2(pixel) + 0.5;
+#ifdef LIGHT_RECORDS
+  if (!begin_records(pixel)) return;  // shaded by the same without records, which sends rays itself
+#endif
+#ifdef WITHOUT_RECORDS
+  if (record_place(pixel).w[0] != 0u) return;
+#endif
   const uint first = (pixel.y * frame.size_px.x + pixel.x) * uint(SAMPLES);
   KeysRef keys = KeysRef(pc.table);
   uint seen[SAMPLES];
@@ -111,6 +121,9 @@ void main() {
     left &= ~covered;
     place = covered == all_samples ? vec2(0.5) : place / float(bitCount(covered));
     const vec4 radiance = shade_triangle(triangle - 1u, vec2(pixel) + place);
+#ifdef LIGHT_RECORDS
+    if (left != 0u) next_records();
+#endif
 #ifdef WHOLE
     sum += radiance * (float(bitCount(covered)) / float(SAMPLES));
 #else

@@ -6,9 +6,10 @@
 // A fragment's rays begin where a ray of the camera through it meets the trees: on the triangle itself and off it by
 // the bound of its roundings, as the reference's do (src/reference/accel.cpp), so that no surface darkens itself and no
 // shadow comes off what casts it. An interpolated position knows its surface only to a fraction of the triangle's size.
+// With LIGHT_RECORDS the rays to lights have been sent before (passes/shadows/light_rays.h).
 #include "lib/openness.glsl"
 #include "shared/trace.h"
-#ifndef TRACES
+#if !defined(TRACES) && !defined(LIGHT_RECORDS)
 void begin_rays(vec3 position, vec3 normal) {}
 float traced_visibility(LightRef light, uint number) { return 1.0; }
 #ifdef LIGHT_EVAL
@@ -16,8 +17,16 @@ vec3 traced_soft_light(LightRef light, uint number, BrdfTerms brdf, vec3 positio
 #endif
 Openness traced_open() { return Openness(1.0, 1.0, -1.0, vec3(0.0)); }
 #else
+#ifdef TRACES
 #include "lib/rays.glsl"
+#endif
+#include "lib/light_cap.glsl"
+#ifdef LIGHT_RECORDS
+#define RECORDS_AT pc.rays
+#include "lib/light_records.glsl"
+#endif
 
+#ifdef TRACES
 #ifdef VOXELS
 #include "lib/light_voxels.glsl"
 // What the fragment's cell knows (passes/shadows/light_voxels.h). Where that is all the light there is, no ray is sent,
@@ -76,52 +85,16 @@ void begin_rays_at(TraceHit hit, vec3 to_viewer) {
   if (rays_from.normal == vec3(0.0)) rays_from.normal = to_viewer;
   rays_side = dot(rays_from.normal, to_viewer) < 0.0 ? -rays_from.normal : rays_from.normal;
 }
-// Of a light from a point: a cap of directions about an axis, seen with one radiance.
-struct LightCap {
-  vec3 axis;
-  float centre_m;  // distance of the middle; TRACE_FAR: a sun
-  float radius_m;
-  float height;    // 1 - cos of its half angle: 0 a point, 2 all directions
-};
-LightCap light_cap(LightRef light, vec3 position) {
-  const vec2 z_type = light_word(light, 3u);
-  LightCap cap;
-  if (floatBitsToUint(z_type.y) == light_directional) {
-    cap.axis = -vec3(light_word(light, 2u), z_type.x);
-    cap.centre_m = TRACE_FAR;
-    cap.radius_m = 0.0;
-    cap.height = SUNS_SOFT ? light_word(light, 7u).y : 0.0;
-    return cap;
-  }
-  const vec3 to_light = vec3(light_word(light, 0u), light_word(light, 1u).x) - position;
-  cap.centre_m = length(to_light);
-  cap.axis = cap.centre_m > 0.0 ? to_light / cap.centre_m : vec3(0.0, 1.0, 0.0);
-  cap.radius_m = LAMPS_SOFT ? light_word(light, 7u).x : 0.0;
-  const float sine = cap.radius_m / max(cap.centre_m, 1e-30);
-  cap.height = !(cap.radius_m > 0.0) ? 0.0 : sine < 1.0 ? sine * sine / (1.0 + sqrt(1.0 - sine * sine)) : 2.0;
-  return cap;
-}
 
-// The ray towards number i of `count` places on the light, which stratify it: evenly in solid angle. l: its direction.
+// The ray towards number i of the places on the light. l: its direction.
 TraceRay ray_to_light(LightCap cap, uint i, uvec2 own, out vec3 l) {
+  const float distance_m = place_on_light(cap, i, own, l);
   TraceRay ray;
   ray.t_min = 0.0;
-  l = cap.axis;
-  float distance_m = cap.centre_m;
-  if (cap.height > 0.0) {
-    const vec2 u = rays_place(i, own);
-    const float down = u.x * cap.height, across2 = down * (2.0 - down), phi = 6.2831853 * u.y;
-    l = normalize(axes_about(cap.axis) * vec3(sqrt(across2) * vec2(cos(phi), sin(phi)), 1.0 - down));
-    if (cap.radius_m > 0.0) {  // to its surface
-      const float along = cap.centre_m * (1.0 - down);
-      const float behind = sqrt(max(cap.radius_m * cap.radius_m - cap.centre_m * cap.centre_m * across2, 0.0));
-      distance_m = max(cap.height == 2.0 ? along + behind : along - behind, 0.0);
-    }
-  }
   ray.origin = leaving_origin(rays_from, l);
   ray.direction = l;
   ray.t_max = TRACE_FAR;
-  if (distance_m < TRACE_FAR) {
+  if (distance_m < light_at_infinity) {
     ray.direction = rays_from.position + l * distance_m - ray.origin;
     ray.t_max = BEFORE_END;
   }
@@ -141,14 +114,15 @@ float ray_seen(TraceRay ray, vec3 l, bool is_lamp) {
   if (!(dot(ray.direction, l) > 0.0)) return 1.0;  // closer than what keeps it off the surface
   return rays_through(ray, is_lamp ? TRACE_TO_LAMP : 0u, 0.0, 0.0);
 }
-uint light_samples(LightCap cap) {
-  if (!(cap.height > 0.0)) return 1u;
-  const RaySettings s = RaySettingsRef(pc.rays).s;
-  return rays_share(cap.centre_m < TRACE_FAR ? s.lamp_samples : s.sun_samples);
-}
+#else
+void begin_rays(vec3 position, vec3 normal) {}
+#endif
 
 // 1: lit, 0: in shadow; of lights with a size the part of the directions to it that are open. number: the light's.
 float traced_visibility(LightRef light, uint number) {
+#ifdef LIGHT_RECORDS
+  return find_record(number) ? record_seen(0u) : 0.0;
+#else
 #ifdef VOXELS
   rays_known = known_visibility(light, number);
   if (rays_known >= 0.0) return rays_known;
@@ -164,6 +138,7 @@ float traced_visibility(LightRef light, uint number) {
     seen += ray_seen(ray, l, cap.centre_m < TRACE_FAR);
   }
   return seen / float(count);
+#endif
 }
 
 #ifdef LIGHT_EVAL
@@ -173,12 +148,16 @@ vec3 traced_soft_light(LightRef light, uint number, BrdfTerms brdf, vec3 positio
   vec3 to_middle;
   float arriving = light_arriving(light, position, to_middle);
   if (arriving == 0.0) return vec3(0.0);
+#ifdef LIGHT_RECORDS
+  if (!find_record(number)) return vec3(0.0);
+#else
 #ifdef VOXELS
   rays_known = known_visibility(light, number);
   if (rays_known == 0.0) return vec3(0.0);
   if (rays_known < 0.0)
 #endif
     send_rays();
+#endif
   const LightCap cap = light_cap(light, position);
   if (cap.centre_m < cap.radius_m) {
     const float radius2 = cap.radius_m * cap.radius_m;
@@ -191,9 +170,15 @@ vec3 traced_soft_light(LightRef light, uint number, BrdfTerms brdf, vec3 positio
   vec3 sum = vec3(0.0);
   for (uint i = 0u; i < count; ++i) {
     vec3 l;
+#ifdef LIGHT_RECORDS
+    place_on_light(cap, rays_first(count) + i, own, l);
+    const vec3 offered = light_along(light, brdf, l, arriving);
+    if (offered != vec3(0.0)) sum += offered * record_seen(i);
+#else
     const TraceRay ray = ray_to_light(cap, rays_first(count) + i, own, l);
     const vec3 offered = light_along(light, brdf, l, arriving);
     if (offered != vec3(0.0)) sum += offered * ray_seen(ray, l, cap.centre_m < TRACE_FAR);
+#endif
   }
   return sum / float(count);
 }
@@ -201,7 +186,11 @@ vec3 traced_soft_light(LightRef light, uint number, BrdfTerms brdf, vec3 positio
 
 // As sky_open, of the point that begin_rays was called for.
 Openness traced_open() {
+#ifdef TRACES
   send_rays();
   return openness(sky_open(OCCLUSION_IS_BENT));
+#else
+  return Openness(1.0, 1.0, -1.0, vec3(0.0));
+#endif
 }
 #endif

@@ -35,6 +35,7 @@
 #include "passes/post/supersample.h"
 #include "passes/post/tonemap.h"
 #include "passes/reflections/reflections.h"
+#include "passes/shadows/light_rays.h"
 #include "passes/shadows/light_voxels.h"
 #include "passes/shadows/local_layers.h"
 #include "passes/shadows/sun_layers.h"
@@ -70,7 +71,7 @@ struct PassList {};
 using AllPasses =
     PassList<PoseItems, Cull, CullCompact, Deform, Occluders, DepthPyramid, OcclusionCull, Rasterize, RasterizeViews,
              TraceKeys, BlendedTiles, KeyDepth, DepthPrepass, DepthViews, ColoredShadows, DeepShadows, TileDepth,
-             PoseLights, LightBoundsPass, LightAssign, LightScan, LightFill, LightSort, FillLightVoxels,
+             PoseLights, LightBoundsPass, LightAssign, LightScan, LightFill, LightSort, FillLightVoxels, LightRays,
              AmbientOcclusion, FogGrid, FogMarch, ShadeVisible, GBuffer, ShadeGBuffer, LightVolumeLists, ShadeVolumes,
              PutSamples, ShadeForward, ShadeUnlit, Sky, Background, Reflections, ReflectionsOver, Refraction,
              Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms, FogLayers, SunLayers,

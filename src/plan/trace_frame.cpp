@@ -9,6 +9,7 @@
 #include "passes/post/supersample.h"
 #include "passes/reflections/reflections.h"
 #include "passes/shadows/lamp_knobs.h"
+#include "passes/shadows/light_rays.h"
 #include "passes/shadows/sun_knobs.h"
 #include "passes/shared/bvh_knobs.h"
 #include "passes/surfaces/refraction.h"
@@ -92,6 +93,9 @@ TracedFrame trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, con
   traced.stack = (out.rays->stack + 7) / 8 * 8;
   traced.blended = out.rays->blended;
   traced.suns = lit.suns.traced, traced.lamps = lit.lamps.traced;
+  const int apart = asked.knobs.get<LightRayKnobs>().apart;
+  traced.lockstep = context.cpu;
+  traced.lights_apart = apart == LightRayKnobs::always || (apart == LightRayKnobs::by_device && !context.cpu);
   traced.suns_by_voxels = lit.suns.by_voxels, traced.lamps_by_voxels = lit.lamps.by_voxels;
   return out;
 }

@@ -25,7 +25,7 @@ struct AccelOptions {
   // Geometry that items share is repeated for each while that takes no more triangles beyond the first copies, for
   // rays cross one tree faster than a tree of trees. It decides how corners are rounded, so it must not depend on how
   // many rays are traced.
-  size_t repeated_triangles = 1u << 14;
+  size_t repeated_triangles = 1u << 19;
   // false: the filter is asked only where the material leaves a doubt: alpha masks and blending, what glows all
   // over (scene/glow.h), and backs of surfaces that are not double sided. true: for every candidate.
   bool always_ask_filter = false;

@@ -1,4 +1,5 @@
 #include "passes/reflections/reflections.h"
+#include "passes/shadows/light_rays.h"
 #include "passes/shared/draw_batches.h"
 #include "passes/shared/light_lists.h"
 #include "passes/shared/scene_inputs.h"
@@ -32,6 +33,9 @@ Shaded visibility(Frame& frame, const SceneInputs& scene, const Surfaces& surfac
                   std::string_view instance) {
   if (!surfaces.keys) return forward(frame, scene, surfaces, lighting, instance);
   ShadeVisible::In in{scene, surfaces.keys, surfaces.deformed, lighting};
+  LightRays::In rays{scene, surfaces.keys, surfaces.deformed, lighting};
+  rays.lists.occlusion = {};
+  in.lists.records = frame.add(LightRays{.rays = lighting.rays}, rays, instance).records;
   in.whole = !drawn_over(frame, scene);
   in.draws_sky = frame.facts.environment && !frame.request.sky_hidden;
   const ShadeVisible::Out shaded = frame.add(ShadeVisible{}, in, instance);

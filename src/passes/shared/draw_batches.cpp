@@ -15,10 +15,11 @@ VkPrimitiveTopology vulkan_topology(Topology t) {
                                   : VK_PRIMITIVE_TOPOLOGY_POINT_LIST;
 }
 bool traces(const Lighting& lists) {
-  return lists.rays.trees && (lists.rays.suns || lists.rays.lamps || lists.rays.surfaces || lists.occlusion.traced);
+  const bool to_lights = (lists.rays.suns || lists.rays.lamps) && !(lists.records.words && lists.records.suffice);
+  return lists.rays.trees && (to_lights || lists.rays.surfaces || lists.occlusion.traced);
 }
 bool takes_settings(const Lighting& lists) {
-  return lists.rays.settings && (traces(lists) || lists.rays.soft_suns || lists.rays.soft_lamps);
+  return lists.rays.settings && (traces(lists) || lists.records.words || lists.rays.soft_suns || lists.rays.soft_lamps);
 }
 }  // namespace
 
@@ -78,6 +79,7 @@ void declare_lights(GraphBuilder& builder, const SceneInputs& scene, const Light
   }
   if (takes_settings(lists)) builder.read(rays.settings, by.buffer, "how rays are sent");
   builder.read_optional(lists.voxels.states, by.buffer);
+  builder.read_optional(lists.records.words, by.buffer);
   const auto count = [&](bool used, const char* knob, uint32_t value) {
     if (used) builder.knob(knob, fmt::format("{} a picture", value));
   };
@@ -104,6 +106,8 @@ std::vector<SpecConstant> light_constants(const Lighting& lists) {
   if (lists.occlusion.open || lists.occlusion.traced)
     constants.push_back(occlusion_constant(lists.occlusion.shape, lists.occlusion.traced));
   if (lists.lamp_maps || rays.lamps) constants.push_back(lamp_shadows_constant(rays.lamps, rays.soft_lamps));
+  // How wide records of rays are.
+  if (!traces(lists) && lists.records.words && rays.blended) constants.push_back(rays_meet_blended_constant());
   if (!traces(lists)) return constants;
   const std::vector<SpecConstant> more =
       ray_constants(rays.stack, rays.blended, rays.tree.traversal == BvhKnobs::by_query);
@@ -209,8 +213,10 @@ shared::DrawPush draw_push(CommandList& commands, const SceneInputs& scene, Buff
   if (lists && lists->occlusion.open) push.occlusion = commands.sampled(lists->occlusion.open);
   if (lists && traces(*lists)) push.trees = commands.address(lists->rays.trees);
   if (lists && takes_settings(*lists)) {
-    // The cells begin with the settings.
-    push.rays = commands.address(lists->voxels.states ? lists->voxels.states : lists->rays.settings);
+    // Cells and records begin with the settings.
+    push.rays = commands.address(lists->voxels.states   ? lists->voxels.states
+                                 : lists->records.words ? lists->records.words
+                                                        : lists->rays.settings);
     push.subsample = scene.subsample;
   }
   return push;

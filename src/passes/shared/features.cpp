@@ -102,9 +102,10 @@ SpecConstant light_voxels_constant(bool suns, bool lamps, bool halve) {
   return constant(Feature::light_voxels, (suns ? 1u : 0u) + (lamps ? 2u : 0u) + (halve ? 4u : 0u));
 }
 
+SpecConstant rays_meet_blended_constant() { return constant(Feature::rays_meet_blended); }
 std::vector<SpecConstant> ray_constants(uint32_t stack, bool blended, bool by_query) {
   std::vector<SpecConstant> list = {constant(Feature::ray_stack, stack)};
-  if (blended) list.push_back(constant(Feature::rays_meet_blended));
+  if (blended) list.push_back(rays_meet_blended_constant());
   if (by_query) list.push_back(constant(Feature::ray_query));
   return list;
 }

@@ -58,6 +58,8 @@ SpecConstant sun_shadows_constant(bool traced, bool soft);
 SpecConstant lamp_shadows_constant(bool traced, bool soft);
 // Of a pass that reads ambient occlusion's texels, of that shape (shared/occlusion.h), or traces it.
 SpecConstant occlusion_constant(uint32_t shape, bool traced);
+// Something lets a part of the light along rays through.
+SpecConstant rays_meet_blended_constant();
 // Of a pass that traces light: entries of a ray's stack, whether something lets a part of the light through, and
 // whether the device is asked what rays meet (bvh.traversal=query).
 std::vector<SpecConstant> ray_constants(uint32_t stack, bool blended, bool by_query);

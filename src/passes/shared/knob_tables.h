@@ -16,6 +16,7 @@ struct IblKnobs;
 struct LampKnobs;
 struct LightKnobs;
 struct LightRangeKnobs;
+struct LightRayKnobs;
 struct LightVolumeKnobs;
 struct LightVoxelKnobs;
 struct MaskKnobs;

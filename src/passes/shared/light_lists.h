@@ -49,6 +49,8 @@ struct TracedRays {
   bool blended = false;                                  // something lets a part of the light through
   bool suns = false, lamps = false;                      // whose shadows are traced
   bool suns_by_voxels = false, lamps_by_voxels = false;  // where cells of the view do not know them (LightVoxels)
+  bool lights_apart = false;                             // a pass of its own sends those to lights (LightRays)
+  bool lockstep = false;                                 // lanes of a subgroup run in step: the device is a CPU
   bool surfaces = false;                                 // rays look for surfaces, which are shaded where they are met
   // Lights with a size, whose shadows are soft; with maps they need the settings alone.
   bool soft_suns = false, soft_lamps = false;
@@ -75,11 +77,18 @@ struct LightVoxels {
   bool halve = false;  // where a cell's points differ it lets half of the light through, and no ray is sent
 };
 
+// What rays to lights have found for the pixels of a visibility buffer (passes/shadows/light_rays.h); empty: shading
+// sends them.
+struct LightRecords {
+  BufferHandle words;
+  bool suffice = false;  // there is room for all of them
+};
+
 // What shading passes walk (shaders/lib/light_list.glsl), the depth maps of lights or the trees for their rays, the fog
 // that all is seen through, and ambient occlusion. Empty handles: no lists, no shadows, nothing occludes.
 struct Lighting {
-  using MadeBy = std::tuple<LightKnobs, SunKnobs, LampKnobs, LightVoxelKnobs, ColoredShadowKnobs, DeepShadowKnobs,
-                            OcclusionKnobs, FogKnobs, BvhKnobs, ResolveKnobs, SupersampleKnobs>;
+  using MadeBy = std::tuple<LightKnobs, SunKnobs, LampKnobs, LightVoxelKnobs, LightRayKnobs, ColoredShadowKnobs,
+                            DeepShadowKnobs, OcclusionKnobs, FogKnobs, BvhKnobs, ResolveKnobs, SupersampleKnobs>;
   BufferHandle cells;     // bitmasks of all cells, or where each cell's entries begin
   BufferHandle entries;   // compact: light indices, ascending inside a cell
   BufferHandle tiles;     // tiled: depths
@@ -91,10 +100,11 @@ struct Lighting {
   ShadowColors shadow_colors;  // the same
   DeepShadowMaps deep;         // for blended surfaces and the air
   LightVoxels voxels;          // the same
+  LightRecords records;        // the same
   // For what is no opaque or masked surface: blended ones, the air, layers.
   Lighting unoccluded() const {
     Lighting without = *this;
-    without.occlusion = {}, without.shadow_colors = {}, without.voxels = {};
+    without.occlusion = {}, without.shadow_colors = {}, without.voxels = {}, without.records = {};
     return without;
   }
   // The same with lists of other cells.

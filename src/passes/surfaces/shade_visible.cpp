@@ -19,21 +19,33 @@ ShadeVisible::Out ShadeVisible::declare(GraphBuilder& builder, const In& in) con
   builder.read_optional(in.deformed, Access::compute_read);
   declare_lights(builder, s, in.lists, ReadBy::compute());
   declare_fog(builder, s, in.lists, true, ReadBy::compute());
-  ComputePipelineDesc desc{with_shadow_colors(with_fog("shade_visible.comp", in.lists), in.lists.shadow_colors),
-                           light_constants(in.lists)};
-  desc.constants.insert(desc.constants.end(), s.features.begin(), s.features.end());
-  desc.constants.push_back({30, "SAMPLES", s.samples});
-  desc.shader += surface_definitions(desc.constants);
+  const auto pipeline = [&](const Lighting& lists, std::string_view store) {
+    ComputePipelineDesc desc{with_shadow_colors(with_fog("shade_visible.comp", lists), lists.shadow_colors),
+                             light_constants(lists)};
+    desc.constants.insert(desc.constants.end(), s.features.begin(), s.features.end());
+    desc.constants.push_back({30, "SAMPLES", s.samples});
+    desc.shader += surface_definitions(desc.constants);
+    if (in.draws_sky) desc.shader += "#SKY=1";
+    desc.shader += store;
+    return desc;
+  };
   Out out;
-  if (in.draws_sky) desc.shader += "#SKY=1";
+  std::string store;
   if (in.whole) {
-    desc.shader += "#WHOLE=1";
+    store = "#WHOLE=1";
     out.color = builder.write(builder.create(ImageDesc{"color", color_format, s.width_px, s.height_px}),
                               Access::storage_image_write);
   } else {
-    out.samples = declare_sample_store(builder, s, name, desc.shader);
+    out.samples = declare_sample_store(builder, s, name, store);
   }
-  out.pipeline = builder.pipeline(desc);
+  if (!in.lists.records.words) {
+    out.pipeline = builder.pipeline(pipeline(in.lists, store));
+    return out;
+  }
+  Lighting recorded = in.lists, without = in.lists;
+  recorded.records.suffice = true, without.records = {};
+  out.pipeline = builder.pipeline(pipeline(recorded, store + "#LIGHT_RECORDS=1"));
+  if (!in.lists.records.suffice) out.rest = builder.pipeline(pipeline(without, store + "#WITHOUT_RECORDS=1"));
   return out;
 }
 
@@ -44,9 +56,12 @@ void ShadeVisible::record(CommandList& commands, const In& in, const Out& out) c
     own.number = commands.storage(out.color);
   else
     push_sample_store(commands, out.samples, own);
-  commands.bind(out.pipeline);
-  commands.push(draw_push(commands, in.scene, in.deformed, &in.lists, &in.lists, own));
-  commands.dispatch(in.scene.width_px, in.scene.height_px);
+  for (const PipelineHandle pipeline : {out.pipeline, out.rest}) {
+    if (!pipeline) continue;
+    commands.bind(pipeline);
+    commands.push(draw_push(commands, in.scene, in.deformed, &in.lists, &in.lists, own));
+    commands.dispatch(in.scene.width_px, in.scene.height_px);
+  }
 }
 
 }  // namespace candela

@@ -29,6 +29,7 @@ struct ShadeVisible {
     ImageHandle color;    // whole: one sample
     SampleStore samples;  // else
     PipelineHandle pipeline;
+    PipelineHandle rest;  // of pixels whose rays' records found no room
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

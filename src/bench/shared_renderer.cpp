@@ -2,9 +2,9 @@
 
 #include "base/files.h"
 #include "glsl/built_in_spirv.h"
-#include "gltf/gltf.h"
 #include "gpu/device_select.h"
 #include "job/job_look.h"
+#include "plan/posed_scene.h"
 #include "session/device_samples.h"
 #include "session/draw_probes.h"
 
@@ -42,7 +42,9 @@ SharedRenderer::~SharedRenderer() = default;
 Expected<void> SharedRenderer::load(const std::string& scene_file, const std::string& sky_file) {
   gpu_scene_.reset();
   sky_ = {};
-  auto scene = load_gltf(scene_file);
+  Job job;
+  job.scene = scene_file;
+  auto scene = load_scene(job);
   if (!scene) return std::unexpected(scene.error());
   scene_ = std::move(*scene);
   warnings_ = scene_.warnings;

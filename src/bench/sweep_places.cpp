@@ -7,9 +7,9 @@
 #include "base/check.h"
 #include "base/text.h"
 #include "bench/error_views.h"
-#include "gltf/gltf.h"
 #include "job/job_look.h"
 #include "plan/plan_frame.h"
+#include "plan/posed_scene.h"
 #include "session/session.h"
 
 namespace candela {
@@ -47,9 +47,9 @@ class KnobSweeps {
   Expected<void> load(const Configuration& c) {
     const auto file = store_.file_of(c);
     if (!file) return std::unexpected(file.error());
-    if (auto read = load_scene(*file); !read) return read;
     Job job = c.job;
     job.scene = *file;
+    if (auto read = load_scene_of(job); !read) return read;
     const auto look = look_of(job, c.time_s);
     if (!look) return std::unexpected(look.error());
     std::vector<std::string> warnings;
@@ -59,15 +59,15 @@ class KnobSweeps {
     return {};
   }
 
-  Expected<void> load_scene(const std::string& file) {
-    if (file == file_) return {};
-    auto scene = load_gltf(file);
+  Expected<void> load_scene_of(const Job& job) {
+    if (job.scene == file_) return {};
+    auto scene = load_scene(job);
     if (!scene) return std::unexpected(scene.error());
     scene_ = std::move(*scene);
     auto layout = layout_geometry(scene_);
     if (!layout) return std::unexpected(layout.error());
     layout_ = std::move(*layout);
-    file_ = file;
+    file_ = job.scene;
     return {};
   }
 

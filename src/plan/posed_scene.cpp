@@ -1,5 +1,6 @@
 #include "plan/posed_scene.h"
 
+#include "base/log.h"
 #include "scene/cut_outs.h"
 #include "scene/probe.h"
 #include "scene/shading.h"
@@ -9,11 +10,14 @@ namespace candela {
 
 Expected<Scene> load_scene(const Job& job, LoadFor use) {
   auto scene = load_gltf(job.scene, {use, job.variant, job.animation != "none"});
-  if (scene) apply_cut_outs(*scene, job.cut_outs);
-  if (scene) turn_up(*scene, job.up);
-  if (scene) apply_shading(*scene, job.shading);
-  if (scene) add_probe(*scene, probe_from_name(job.probe));
-  if (scene) scene->view_hulls = std::make_shared<KeptViewHulls>();
+  if (!scene) return scene;
+  if (const auto covering = make_covering_opaque(*scene); !covering.empty())
+    log::debug("{} materials of alphaMode BLEND hide all that is behind them: drawn as opaque", covering.size());
+  apply_cut_outs(*scene, job.cut_outs);
+  turn_up(*scene, job.up);
+  apply_shading(*scene, job.shading);
+  add_probe(*scene, probe_from_name(job.probe));
+  scene->view_hulls = std::make_shared<KeptViewHulls>();
   return scene;
 }
 

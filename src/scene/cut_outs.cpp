@@ -27,7 +27,43 @@ bool texture_is_all_or_nothing(const Scene& scene, int image) {
   return all(static_cast<const float*>(nullptr), 1);
 }
 
+bool may_have_alpha(const Scene& scene, int image) {
+  const SceneImage& stored = scene.images[size_t(image)];
+  const auto info = probe_image(stored.encoded, stored.place);
+  return !info || info->channels % 2 == 0;  // grey or colours, and alpha
+}
+
+// Takes the blended materials out that have a corner whose alpha is not accepted, or whose alpha an animation moves.
+template <class Accepts>
+std::vector<uint32_t> by_corners_and_animations(const Scene& scene, std::vector<bool> chosen, const Accepts& accepts) {
+  for (const Mesh& mesh : scene.meshes)
+    for (const MeshSection& section : mesh.sections)
+      if (section.material >= 0 && chosen[size_t(section.material)])
+        chosen[size_t(section.material)] =
+            std::ranges::all_of(section.color, [&](const glm::vec4& c) { return accepts(c.w); });
+  for (const Animation& animation : scene.animations)
+    for (const AnimationChannel& channel : animation.channels)
+      if (channel.path == TargetPath::material_base_color && (channel.element < 0 || channel.element == 3))
+        chosen[size_t(channel.object)] = false;
+  std::vector<uint32_t> all;
+  for (size_t i = 0; i < chosen.size(); ++i)
+    if (chosen[i]) all.push_back(uint32_t(i));
+  return all;
+}
+
 }  // namespace
+
+std::vector<uint32_t> make_covering_opaque(Scene& scene) {
+  std::vector<bool> covers(scene.materials.size());
+  for (size_t i = 0; i < covers.size(); ++i) {
+    const Material& m = scene.materials[i];
+    const int image = m.base_color_texture.image;
+    covers[i] = m.alpha_mode == AlphaMode::blend && m.base_color.w >= 1 && (image < 0 || !may_have_alpha(scene, image));
+  }
+  const auto covering = by_corners_and_animations(scene, std::move(covers), [](float alpha) { return alpha >= 1; });
+  for (const uint32_t material : covering) scene.materials[material].alpha_mode = AlphaMode::opaque;
+  return covering;
+}
 
 std::vector<uint32_t> cut_out_materials(const Scene& scene) {
   std::vector<bool> cut_out(scene.materials.size());
@@ -42,19 +78,7 @@ std::vector<uint32_t> cut_out_materials(const Scene& scene) {
                      ? known->second
                      : textures.emplace(image, texture_is_all_or_nothing(scene, image)).first->second;
   }
-  for (const Mesh& mesh : scene.meshes)
-    for (const MeshSection& section : mesh.sections)
-      if (section.material >= 0 && cut_out[size_t(section.material)])
-        cut_out[size_t(section.material)] =
-            std::ranges::all_of(section.color, [](const glm::vec4& c) { return is_all_or_nothing(c.w); });
-  for (const Animation& animation : scene.animations)
-    for (const AnimationChannel& channel : animation.channels)
-      if (channel.path == TargetPath::material_base_color && (channel.element < 0 || channel.element == 3))
-        cut_out[size_t(channel.object)] = false;
-  std::vector<uint32_t> all;
-  for (size_t i = 0; i < cut_out.size(); ++i)
-    if (cut_out[i]) all.push_back(uint32_t(i));
-  return all;
+  return by_corners_and_animations(scene, std::move(cut_out), is_all_or_nothing);
 }
 
 const std::vector<std::string>& cut_out_choices() {

@@ -120,4 +120,30 @@ TEST_F(FrameOpen, ABlendedSheetCastsItsShadow) {
     }
 }
 
+// One of alpha 1 is a wall, shadow and all: to the bit what the material drawn as opaque is.
+TEST_F(FrameOpen, ABlendedSheetOfAlphaOneIsAWall) {
+  const auto under = [&](const char* mode, double alpha) {
+    GltfBuilder b = empty_scene();
+    add_node(b, {{"mesh", add_square_mesh(b, 4, add_material(b, diffuse_material(0.8, 0.8, 0.8)))}});
+    Json sheet = diffuse_material(0.5, 0.5, 0.5);
+    sheet["pbrMetallicRoughness"]["baseColorFactor"] = {0.5, 0.5, 0.5, alpha};
+    sheet["alphaMode"] = mode;
+    add_node(b, {{"mesh", add_square_mesh(b, 0.8f, add_material(b, sheet))}, {"translation", {0, 0, 1}}});
+    add_light(b, {{"type", "directional"}, {"intensity", 3.0}},
+              {{"rotation", rotation_between({0, 0, -1}, {-1.5, 0, -1})}});
+    add_light(b, {{"type", "point"}, {"intensity", 20.0}}, {{"translation", {0.5, 1, 2}}});
+    Job job = job_for(write(b), width, height, 1);
+    look(job, {-2, 0, 5}, {0, 0, 0}, 60);
+    std::vector<std::vector<glm::vec4>> pictures;
+    for (const char* technique : {"clustered", "visibility", "ray"}) {
+      job.technique = technique;
+      pictures.push_back(images_of(job)["beauty"].values<glm::vec4>());
+    }
+    return pictures;
+  };
+  const auto wall = under("OPAQUE", 1);
+  EXPECT_EQ(under("BLEND", 1), wall);
+  EXPECT_NE(under("BLEND", 0.9), wall);
+}
+
 }  // namespace candela::test

@@ -57,6 +57,34 @@ TEST(CutOuts, AreWhatHidesAllOrNothing) {
   EXPECT_FALSE(cut_out_materials(scene).empty()) << "another component is";
 }
 
+// What blends and hides all is opaque, by material, texture, corners and animations.
+TEST(CutOuts, WhatCoversAllIsOpaque) {
+  const auto covering = [](const std::function<void(Scene&)>& change) {
+    Scene scene = leaf([](double) { return 1.0; });
+    scene.images[0].encoded =
+        png_from(32, 8, 3, [](double u, double) { return glm::dvec4(0.2, u, 0.3, 1); });  // without an alpha
+    scene.meshes[0].sections[0].color.assign(3, glm::vec4(1));
+    change(scene);
+    const AlphaMode before = scene.materials[0].alpha_mode;
+    const bool found = make_covering_opaque(scene) == std::vector<uint32_t>{0};
+    EXPECT_EQ(scene.materials[0].alpha_mode, found ? AlphaMode::opaque : before);
+    return found;
+  };
+  EXPECT_TRUE(covering([](Scene&) {}));
+  EXPECT_TRUE(covering([](Scene& s) { s.materials[0].base_color_texture.image = -1; })) << "no texture";
+  EXPECT_TRUE(covering([](Scene& s) { s.meshes[0].sections[0].color.clear(); })) << "no colours of corners";
+  EXPECT_FALSE(covering([](Scene& s) { s.materials[0].base_color.w = 0.999f; })) << "the factor";
+  EXPECT_FALSE(covering([](Scene& s) { s.images = leaf(hard).images; })) << "the texture";
+  EXPECT_FALSE(covering([](Scene& s) { s.images[0].encoded.resize(20); })) << "a damaged image";
+  EXPECT_FALSE(covering([](Scene& s) { s.meshes[0].sections[0].color[1].w = 0.5f; })) << "a corner";
+  EXPECT_FALSE(covering([](Scene& s) { s.materials[0].alpha_mode = AlphaMode::mask; })) << "a mask";
+  EXPECT_FALSE(covering([](Scene& s) {
+    AnimationChannel fades;
+    fades.path = TargetPath::material_base_color, fades.object = 0, fades.element = 3;
+    s.animations.emplace_back().channels.push_back(fades);
+  })) << "it fades";
+}
+
 TEST(CutOuts, AreMaskedWhereThatIsAskedFor) {
   Scene scene = leaf(hard);
   apply_cut_outs(scene, "blended");

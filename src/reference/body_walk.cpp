@@ -22,7 +22,7 @@ double largest_coordinate(glm::dvec3 p) { return std::max({std::abs(p.x), std::a
 
 Integrator::BodyStep Integrator::body_step(const GlassWay& way, glm::dvec3 origin, glm::dvec3 direction, double end_m,
                                            glm::dvec3 through, double compressed, int bounce, uint32_t number,
-                                           SampleStream& stream) const {
+                                           SampleStream& stream, glm::dvec3 sky) const {
   const BodyMedium& medium = *way.here().medium();
   BodyStep step;
   const double begin_m = way.travelled_m(), length_m = std::max(end_m - begin_m, 0.0);
@@ -64,7 +64,7 @@ Integrator::BodyStep Integrator::body_step(const GlassWay& way, glm::dvec3 origi
   // Light is met before the path may end here.
   const double g = medium.anisotropy;
   const bool every = bounce == 0;
-  step.light = through * step.weight * fog_event(step.position, direction, g, every, which, stream, &way.here());
+  step.light = through * step.weight * fog_event(step.position, direction, g, every, which, stream, sky, &way.here());
   if (world_.bends_lamps()) {
     SampleStream apart = stream;
     apart.start(first_bent_dimension + number * bent_dimensions);

@@ -166,7 +166,7 @@ glm::dvec3 held_of(glm::dvec3 depth) { return {-std::expm1(-depth.x), -std::expm
 
 Integrator::FogStep Integrator::fog_step(glm::dvec3 origin, glm::dvec3 direction, double end_m, glm::dvec3 through,
                                          int bounce, uint32_t number, bool every, SampleStream& stream,
-                                         PixelSample& out) const {
+                                         PixelSample& out, glm::dvec3 sky) const {
   const std::vector<Medium>& media = world_.media();
   const Air air(media, origin, direction, end_m);
   const Span span = air.span();
@@ -235,7 +235,7 @@ Integrator::FogStep Integrator::fog_step(glm::dvec3 origin, glm::dvec3 direction
   const double g = media[scatterer].anisotropy();
   step.through =
       through * media[scatterer].scattering() * (air.density(scatterer, distance_m) * weights / own) * here / density;
-  out.radiance += step.through * fog_event(step.position, direction, g, every, u, stream);
+  out.radiance += step.through * fog_event(step.position, direction, g, every, u, stream, sky);
   step.direction = sample_henyey_greenstein(direction, g, for_direction);
   step.density = henyey_greenstein(glm::dot(step.direction, direction), g);
   if (!survives(roulette, bounce + 1, step.through)) step.through = glm::dvec3(0);
@@ -245,7 +245,7 @@ Integrator::FogStep Integrator::fog_step(glm::dvec3 origin, glm::dvec3 direction
 // Light that comes straight from its source to a place in fog and is scattered into the direction of travel towards it,
 // turned around: every directional light, one direction of the sky, and lights of the tree.
 glm::dvec3 Integrator::fog_event(glm::dvec3 position, glm::dvec3 direction, double g, bool every, double which,
-                                 SampleStream& stream, const Interior* body) const {
+                                 SampleStream& stream, glm::dvec3 sky, const Interior* body) const {
   const SurfacePoint point{position, {}, 0};
   const auto phase = [&](glm::dvec3 l) { return henyey_greenstein(glm::dot(l, direction), g); };
   const auto arrives = [&](const Offer& offer) {
@@ -272,7 +272,7 @@ glm::dvec3 Integrator::fog_event(glm::dvec3 position, glm::dvec3 direction, doub
     if (const Sky::Choice choice = world_.sky().sample(for_sky); choice.pdf > 0) {
       const double p = phase(choice.direction);
       const double fraction = p * weight(choice.pdf, p, Strategy::light) / choice.pdf;
-      sum += arrives({world_.sky().radiance(choice.direction) * fraction, choice.direction, endless, {}});
+      sum += sky * arrives({world_.sky().radiance(choice.direction) * fraction, choice.direction, endless, {}});
     }
   const size_t points = world_.tree_punctual().size();
   const auto make = [&](const LightTree::Choice& choice, size_t number, bool is_lamp) -> Offer {

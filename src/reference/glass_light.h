@@ -9,6 +9,7 @@ namespace candela::reference {
 // light blocks it here; a path meets that light by way of the surface's own directions. `start`: the bodies that the
 // ray begins in; null: none.
 glm::dvec3 light_through(const World& world, const SurfacePoint& from, glm::dvec3 l, double distance_m,
-                         const Interior* start, const SurfacePoint* target = nullptr, bool to_lamp = false);
+                         const Interior* start, const SurfacePoint* target = nullptr, bool to_lamp = false,
+                         LightAlong light = LightAlong::to_origin);
 
 }  // namespace candela::reference

@@ -172,9 +172,10 @@ class Integrator {
   Offer emissive_offer(uint32_t light, double probability, const Surface& s, glm::dvec3 v, glm::dvec2 u) const;
   glm::dvec3 taken(const Offer& offer, const Surface& s, const SurfacePoint& point) const;  // what comes through of it
   // terms: only with `every`.
-  // from: where the path came from; null: bounces from there are not made from lamps as well.
+  // from: where the path came from; null: bounces from there are not made from lamps as well. sky: the share of the
+  // sky's light that counts, 1 but where light passes faces from behind (path.cpp).
   glm::dvec3 next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool every, SampleStream& stream,
-                        TermSample* terms, const Departure* from) const;
+                        TermSample* terms, const Departure* from, glm::dvec3 sky) const;
   // fog_march.cpp: direct's single scattering. fog_before adds the light of a span of the camera ray, of which surfaces
   // in front leave `share`, and returns the transmittance from the camera to the span's end.
   glm::dvec3 fog_before(glm::dvec3 origin, glm::dvec3 direction, Span span, double fraction, uint32_t layer,
@@ -207,6 +208,12 @@ class Integrator {
   template <class Left, class Gain>
   void meet_lamps(const Departure& from, const Departure& came, glm::dvec3 geometric, glm::dvec3 direction,
                   Span between, Left&& left, Gain&& gain) const;
+  // What a path's ray meets on behind a face that light passes from behind (--sides), as shadow rays find it:
+  // stretch(span, left) of each part of the way, emission(hit, surface, distance_m, left) of each surface that sends
+  // light; left: of light from there. Returns the part of the sky's light that comes through.
+  template <class Stretch, class Emission>
+  glm::dvec3 light_behind(const Ray& ray, const Hit& face, double face_m, glm::dvec3 origin, glm::dvec3 direction,
+                          GlassWay way, Stretch&& stretch, Emission&& emission) const;
   bool joins_lamps(int bounce) const;  // whether bounces from a surface are made from lamps as well
   // lamp_paths.cpp: light of a lamp by way of another surface, which a ray from the lamp finds.
   glm::dvec3 by_lamp_rays(const Surface& s, const SurfacePoint& point, glm::dvec3 v, SampleStream stream) const;
@@ -240,10 +247,10 @@ class Integrator {
     double density = 0;                    // of that direction
   };
   FogStep fog_step(glm::dvec3 origin, glm::dvec3 direction, double end_m, glm::dvec3 through, int bounce,
-                   uint32_t number, bool every, SampleStream& stream, PixelSample& out) const;
+                   uint32_t number, bool every, SampleStream& stream, PixelSample& out, glm::dvec3 sky) const;
   // body: of bodies, which hold no fog, those about the place; null: it lies in the open.
   glm::dvec3 fog_event(glm::dvec3 position, glm::dvec3 direction, double g, bool every, double which,
-                       SampleStream& stream, const Interior* body = nullptr) const;
+                       SampleStream& stream, glm::dvec3 sky, const Interior* body = nullptr) const;
 
   // body_walk.cpp: what the medium of the body that the path is in does to it before the next surface, `end_m` from
   // where the ray began. compressed: of survives().
@@ -255,7 +262,7 @@ class Integrator {
     double density = 0;                    // of that direction
   };
   BodyStep body_step(const GlassWay& way, glm::dvec3 origin, glm::dvec3 direction, double end_m, glm::dvec3 through,
-                     double compressed, int bounce, uint32_t number, SampleStream& stream) const;
+                     double compressed, int bounce, uint32_t number, SampleStream& stream, glm::dvec3 sky) const;
   // Each light at a point a place of its own, as even as the first (the R2 sequence's steps).
   static glm::dvec2 own_place(glm::dvec2 first, size_t light);
 

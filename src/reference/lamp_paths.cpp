@@ -87,7 +87,7 @@ glm::dvec3 Integrator::by_lamp_rays(const Surface& s, const SurfacePoint& point,
   const PunctualLight& light = world_.punctual_lights()[world_.tree_punctual()[choice.light]];
   const LampRay lamp_ray = ray_of(light, along, on_sphere);
   const Ray ray = leaving_ray({glm::vec3(lamp_ray.origin), {}, 0}, lamp_ray.direction);
-  std::optional<Hit> hit = next_surface(world_, ray, false, nullptr, nullptr, true);
+  std::optional<Hit> hit = next_surface(world_, ray, false, nullptr, nullptr, true, LightAlong::from_origin);
   // A blended surface is there as often as it covers.
   for (int passed = 0; hit && world_.is_blended(hit->item); ++passed) {
     const double coverage = world_.coverage(*hit);
@@ -95,7 +95,7 @@ glm::dvec3 Integrator::by_lamp_rays(const Surface& s, const SurfacePoint& point,
     if (passed == most_passed) return none;
     cover = std::min((cover - coverage) / (1 - coverage), 1 - 0x1p-53);
     const Hit before = *hit;
-    hit = next_surface(world_, ray, false, &before, nullptr, true);
+    hit = next_surface(world_, ray, false, &before, nullptr, true, LightAlong::from_origin);
   }
   if (!hit) return none;
   const Surface lit = world_.surface_from(*hit, lamp_ray.origin, lamp_ray.direction, s.position);
@@ -128,7 +128,7 @@ glm::dvec3 Integrator::by_lamp_rays(const Surface& s, const SurfacePoint& point,
   radiance *= world_.through_fog(s.position, l, distance_m) * world_.through_fog(lit.position, l_lit, a.distance_m);
   if (radiance == none) return none;
   const SurfacePoint end = world_.accel().surface(*hit);
-  return radiance * light_through(world_, point, l, distance_m, nullptr, &end);
+  return radiance * light_through(world_, point, l, distance_m, nullptr, &end, false, LightAlong::none);
 }
 
 }  // namespace candela::reference

@@ -116,7 +116,8 @@ bool Integrator::survives(double u, int bounce, glm::dvec3& through, double comp
 // Every directional light, one direction of the sky, and lights of the tree: those about the point each, and some of
 // those farther off. Where not every one of them is worth a shadow ray, one is.
 glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, glm::dvec3 v, bool every,
-                                  SampleStream& stream, TermSample* terms, const Departure* from) const {
+                                  SampleStream& stream, TermSample* terms, const Departure* from,
+                                  glm::dvec3 sky) const {
   const glm::dvec2 for_sky = stream.next2();
   const double which = stream.next();
   const double pick = stream.next();
@@ -135,7 +136,7 @@ glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, g
       const double w = weight(choice.pdf, bsdf_pdf(s, choice.direction, v), Strategy::light);
       const glm::dvec3 radiance = world_.sky().radiance(choice.direction) * f * (w / choice.pdf);
       if (radiance != glm::dvec3(0)) {
-        const glm::dvec3 arriving = radiance * sky_visibility(s, point, choice.direction);
+        const glm::dvec3 arriving = radiance * sky * sky_visibility(s, point, choice.direction);
         sum += arriving;
         if (terms) terms->add_ambient(arriving * diffuse_share(s, choice.direction, v), arriving);
       }
@@ -167,6 +168,33 @@ glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, g
                        });
 }
 
+template <class Stretch, class Emission>
+glm::dvec3 Integrator::light_behind(const Ray& ray, const Hit& face, double face_m, glm::dvec3 origin,
+                                    glm::dvec3 direction, GlassWay way, Stretch&& stretch, Emission&& emission) const {
+  glm::dvec3 left(1);
+  Hit passed = face;
+  double from_m = face_m;
+  for (int event = 0; event < most_events; ++event) {
+    const std::optional<Hit> hit = next_surface(world_, ray, false, &passed, nullptr);
+    Surface s = hit ? world_.surface(*hit, origin, direction) : Surface{};
+    const double here_m = hit ? glm::dot(s.position - origin, direction) : endless;
+    stretch(Span{from_m, here_m}, way, left);
+    if (!hit) return left * way.end(endless);
+    if (world_.has_glass()) left *= way.arrive(s, -direction, hit->back, here_m);
+    if (!s.unlit && s.emission != glm::dvec3(0) && emits_towards(world_, *hit))
+      emission(*hit, s, here_m, left * s.coverage);
+    if (!passes_light(world_, *hit, LightAlong::to_origin)) {
+      glm::dvec3 through(1 - s.coverage);
+      if (world_.has_glass()) through += s.coverage * straight_share(s, -direction);
+      left *= through;
+      if (left == glm::dvec3(0)) return left;
+    }
+    if (world_.has_glass() && is_straight(s)) way.cross();
+    passed = *hit, from_m = here_m;
+  }
+  return glm::dvec3(0);
+}
+
 // Glass has lights of its own ways, which a lamp's rays do not know.
 bool Integrator::joins_lamps(int bounce) const {
   if (!settings_.lamp_rays || settings_.strategy != Strategy::both) return false;
@@ -193,6 +221,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, const std::optional
   double compressed = 1;     // what refraction has made of radiance alone, not of its fraction
   double clear_m = 0;        // fog up to here is behind the ray already
   double lamps_m = 0;        // and lamps with a radius
+  glm::dvec3 sky(1);         // share of the sky's light that counts
   glm::dvec3 seen(1);        // what fog leaves of what the camera sees
   bool in_fog = false;       // the camera's ray ended there
   glm::dvec3 before_fog(0);  // light of surfaces that it went straight through before
@@ -202,6 +231,36 @@ PixelSample Integrator::sample_path(const CameraRay& camera, const std::optional
     if (terms && !in_fog) (*terms)[term] += light;
   };
   const std::optional<RayDifferential> part = footprint();
+  // Of a light that the ray meets by itself, against its choice at the surface that the ray left.
+  const auto weight_of_emission = [&](const Hit& hit, const Surface& at, glm::dvec3 v) {
+    const int light = bounce == 0 || from_mirror ? -1 : world_.emissive_of(hit.item, hit.primitive);
+    if (light < 0) return 1.0;
+    const EmissiveTriangle& t = world_.emissive()[size_t(light)];
+    const glm::dvec3 d = at.position - left.position;
+    const double probability = world_.light_tree().probability(
+        uint32_t(world_.tree_punctual().size()) + uint32_t(light), left.position, left.normal, true);
+    const double pdf = probability * glm::dot(d, d) / (std::abs(glm::dot(t.normal, v)) * t.area_m2);
+    return weight(left.density, pdf, Strategy::brdf);
+  };
+  // What a ray from a surface finds of sky and suns where it leaves the scene, as `open` of them is left.
+  const auto leave = [&](glm::dvec3 v, glm::dvec3 open) {
+    if (world_.sky()) {
+      const double w = from_mirror ? 1 : weight(left.density, world_.sky().pdf(direction), Strategy::brdf);
+      const glm::dvec3 light = through * (sky * open) * world_.sky().radiance(direction) * w;
+      if (bounce > 1) {
+        gain(Term::indirect, light);
+      } else {
+        out.radiance += light;
+        if (terms && !in_fog) terms->add_ambient(light * diffuse, light);
+      }
+    }
+    if (world_.has_sized_lights())
+      for (const uint32_t index : world_.directional())
+        if (const auto a = light_in(world_.punctual_lights()[index], left.position, -v)) {
+          const double w = from_mirror ? 1 : weight(left.density, a->pdf, Strategy::brdf);
+          gain(bounce > 1 ? Term::indirect : Term::direct_sun, through * open * a->illuminance * (a->pdf * w));
+        }
+  };
   for (int event = 0; event < most_events; ++event) {
     const bool first = bounce == 0;
     const std::optional<Hit> hit =
@@ -223,7 +282,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, const std::optional
       lamps_m = here_m;
     }
     if (way.here().medium()) {
-      const BodyStep step = body_step(way, origin, -v, here_m, through, compressed, bounce, walked++, stream);
+      const BodyStep step = body_step(way, origin, -v, here_m, through, compressed, bounce, walked++, stream, sky);
       gain(Term::indirect, step.light);
       through *= step.weight;
       if (through == glm::dvec3(0)) break;
@@ -262,7 +321,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, const std::optional
     if (!world_.media().empty() && !in_body) {
       const glm::dvec3 light = out.radiance, of_surfaces = light - out.fog_light;
       const FogStep step = fog_step(origin - v * clear_m, -v, here_m - clear_m, through, bounce, fogged++,
-                                    bounce < shadowed_bounces, stream, out);
+                                    bounce < shadowed_bounces, stream, out, sky);
       if (first) {
         seen *= step.clear;
         out.fog_through = seen;
@@ -284,25 +343,35 @@ PixelSample Integrator::sample_path(const CameraRay& camera, const std::optional
       }
     }
     if (!hit) {
-      if (first) {
+      if (first)
         gain(Term::background, through * glm::dvec3(world_.background(direction)));
-      } else if (world_.sky()) {
-        const double w = from_mirror ? 1 : weight(left.density, world_.sky().pdf(direction), Strategy::brdf);
-        const glm::dvec3 light = through * world_.sky().radiance(direction) * w;
-        if (bounce > 1) {
-          gain(Term::indirect, light);
-        } else {
-          out.radiance += light;
-          if (terms && !in_fog) terms->add_ambient(light * diffuse, light);
-        }
-      }
-      if (!first && world_.has_sized_lights())
-        for (const uint32_t index : world_.directional())
-          if (const auto a = light_in(world_.punctual_lights()[index], left.position, -v)) {
-            const double w = from_mirror ? 1 : weight(left.density, a->pdf, Strategy::brdf);
-            gain(bounce > 1 ? Term::indirect : Term::direct_sun, through * a->illuminance * (a->pdf * w));
-          }
+      else
+        leave(v, glm::dvec3(1));
       break;
+    }
+    // A face that light passes from behind: its lights behind reach the ray as they reach shadow rays, and what the
+    // face itself sends is its own. Of the sky's light the face sends as much as does not come through it: no direction
+    // then brings more than the sky, and a furnace of such faces gains nothing. Mirrors show it as the camera sees it.
+    if (!first && !from_mirror && passes_light(world_, *hit, LightAlong::to_origin)) {
+      const auto clear = [&](double at_m) {
+        return in_body ? glm::dvec3(1) : world_.through_fog(s.position, -v, at_m - here_m);
+      };
+      const glm::dvec3 open =
+          light_behind(
+              ray, *hit, here_m, origin, -v, way,
+              [&](Span span, const GlassWay& there, glm::dvec3 still) {
+                if (world_.light_tree().has_spheres())
+                  meet_lamps(
+                      left, came, left_geometric, direction, span,
+                      [&](double at_m) { return through * still * there.end(at_m) * clear(at_m); },
+                      [&](Term term, glm::dvec3 light) { gain(bounce > 1 ? Term::indirect : term, light); });
+              },
+              [&](const Hit& lamp, const Surface& at, double at_m, glm::dvec3 still) {
+                gain(Term::indirect, through * still * clear(at_m) * at.emission * weight_of_emission(lamp, at, v));
+              }) *
+          clear(endless);
+      leave(v, open);
+      sky *= 1.0 - open;
     }
     if (s.unlit) {
       // A picture, not a lamp: it is seen, also in reflections, and takes no light and is not chosen as a light.
@@ -310,17 +379,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, const std::optional
       break;
     }
     if (s.emission != glm::dvec3(0) && emits_towards(world_, *hit)) {
-      double w = 1;
-      const int light = first || from_mirror ? -1 : world_.emissive_of(hit->item, hit->primitive);
-      if (light >= 0) {
-        const EmissiveTriangle& t = world_.emissive()[size_t(light)];
-        const glm::dvec3 d = s.position - left.position;
-        const double probability = world_.light_tree().probability(
-            uint32_t(world_.tree_punctual().size()) + uint32_t(light), left.position, left.normal, true);
-        const double pdf = probability * glm::dot(d, d) / (std::abs(glm::dot(t.normal, v)) * t.area_m2);
-        w = weight(left.density, pdf, Strategy::brdf);
-      }
-      gain(first ? Term::emission : Term::indirect, through * s.emission * w);
+      gain(first ? Term::emission : Term::indirect, through * s.emission * weight_of_emission(*hit, s, v));
     }
     // After the last bounce light still goes straight through what lies between.
     const bool last = settings_.most_bounces > 0 && bounce >= settings_.most_bounces;
@@ -335,7 +394,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, const std::optional
       // What glows all over lets light of lamps through, so that their rays never end there.
       const bool joined = !first && left.joined && !world_.glows_all_over(hit->item);
       const glm::dvec3 light = through * next_event(s, point, v, bounce < shadowed_bounces, stream,
-                                                    divided ? &own : nullptr, joined ? &left : nullptr);
+                                                    divided ? &own : nullptr, joined ? &left : nullptr, sky);
       if (divided)
         out.radiance += light, terms->add(own, through);
       else

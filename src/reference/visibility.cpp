@@ -18,18 +18,23 @@ bool is_same_point(const Hit& a, const Hit& b) {
 }
 }  // namespace
 
+bool passes_light(const World& world, const Hit& hit, LightAlong light) {
+  if (light == LightAlong::none || !world.opens_sides() || hit.back != (light == LightAlong::from_origin)) return false;
+  return !world.is_double_sided(hit.item) && !world.bounds_body(hit.item);
+}
+
 bool SurfaceFilter::accepts(const Hit& hit) const {
   if (passed_ && (std::tie(hit.t, hit.item, hit.primitive) <= std::tie(passed_->t, passed_->item, passed_->primitive) ||
                   is_same_point(hit, *passed_)))
     return false;
   if (to_lamp_ && world_.glows_all_over(hit.item)) return false;
   if (culls_backs_ && hit.back && !world_.is_double_sided(hit.item) && !world_.bounds_body(hit.item)) return false;
-  if (opens_ && !hit.back && !world_.is_double_sided(hit.item) && !world_.bounds_body(hit.item)) return false;
+  if (passes_light(world_, hit, light_)) return false;
   return !world_.is_masked(hit.item) || world_.coverage(hit) > 0;
 }
 
 std::optional<Hit> next_surface(const World& world, const Ray& ray, bool culls_backs, const Hit* passed,
-                                TraceCounts* counts, bool to_lamp, bool light) {
+                                TraceCounts* counts, bool to_lamp, LightAlong light) {
   const SurfaceFilter filter(world, culls_backs, passed, to_lamp, light);
   Ray rest = ray;
   if (passed) rest.t_min = passed->t;
@@ -50,21 +55,21 @@ std::optional<Ray> shadow_ray(const SurfacePoint& from, glm::dvec3 l, double dis
 }
 
 double transmittance(const World& world, const SurfacePoint& from, glm::dvec3 l, double distance_m,
-                     const SurfacePoint* target, bool to_lamp) {
+                     const SurfacePoint* target, bool to_lamp, LightAlong light) {
   const std::optional<Ray> ray = shadow_ray(from, l, distance_m, target);
   if (!ray) return 1;
   if (!world.has_blend()) {
-    const SurfaceFilter filter(world, false, nullptr, to_lamp, true);
+    const SurfaceFilter filter(world, false, nullptr, to_lamp, light);
     return world.accel().occluded(*ray, &filter) ? 0 : 1;
   }
   double through = 1;
-  std::optional<Hit> hit = next_surface(world, *ray, false, nullptr, nullptr, to_lamp, true);
+  std::optional<Hit> hit = next_surface(world, *ray, false, nullptr, nullptr, to_lamp, light);
   while (hit) {
     const double coverage = world.is_blended(hit->item) ? world.coverage(*hit) : 1;
     through *= 1 - coverage;
     if (!(through > 0)) return 0;
     const Hit passed = *hit;
-    hit = next_surface(world, *ray, false, &passed, nullptr, to_lamp, true);
+    hit = next_surface(world, *ray, false, &passed, nullptr, to_lamp, light);
   }
   return through;
 }
@@ -73,13 +78,13 @@ double near_visibility(const World& world, const SurfacePoint& from, glm::dvec3 
   Ray ray = leaving_ray(from, l);
   ray.t_max = float(std::min(occlusion.radius_m, double(std::numeric_limits<float>::max())));
   double through = 1;
-  std::optional<Hit> hit = next_surface(world, ray, false, nullptr, nullptr, false, true);
+  std::optional<Hit> hit = next_surface(world, ray, false, nullptr, nullptr, false, LightAlong::to_origin);
   while (hit) {
     const double coverage = world.is_blended(hit->item) ? world.coverage(*hit) : 1;
     through *= 1 - coverage * occlusion.hidden(double(hit->t));
     if (!(coverage < 1)) return through;
     const Hit passed = *hit;
-    hit = next_surface(world, ray, false, &passed, nullptr, false, true);
+    hit = next_surface(world, ray, false, &passed, nullptr, false, LightAlong::to_origin);
   }
   return through;
 }

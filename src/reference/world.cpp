@@ -24,6 +24,7 @@ glm::dmat3 normal_matrix(const glm::dmat3& m) {
 AccelOptions accel_options(const WorldInput& input) {
   AccelOptions options = input.accel;
   options.always_ask_filter |= input.glass && has_transmission(input.scene);
+  options.open_sides |= input.open_sides;
   return options;
 }
 

@@ -30,6 +30,9 @@ void add_sides(Recipes& all);
 void add_occlusion(Recipes& all);
 void add_far_lights(Recipes& all);
 void add_lobes_under_skies(Recipes& all);
+void add_deep_shadows(Recipes& all);
+void add_bodies_by_faces(Recipes& all);
+void add_mirrors(Recipes& all);
 
 using std::numbers::pi;
 

@@ -120,6 +120,25 @@ TEST_F(FrameOpen, ABlendedSheetCastsItsShadow) {
     }
 }
 
+// Three hundred of alpha 0.01 leave 0.99^300 of it: colour maps of full scale are in floats, for each layer rounds.
+TEST_F(FrameOpen, HundredsOfNearlyClearSheetsAddUp) {
+  GltfBuilder b = empty_scene();
+  add_node(b, {{"mesh", add_square_mesh(b, 4, add_material(b, diffuse_material(0.8, 0.8, 0.8)))}});
+  Json sheet = diffuse_material(0.5, 0.5, 0.5);
+  sheet["pbrMetallicRoughness"]["baseColorFactor"] = {0.5, 0.5, 0.5, 0.01};
+  sheet["alphaMode"] = "BLEND";
+  const int mesh = add_square_mesh(b, 0.8f, add_material(b, sheet));
+  for (int i = 0; i < 300; ++i) add_node(b, {{"mesh", mesh}, {"translation", {1.5, 0, 1 + i / 30000.0}}});
+  add_light(b, {{"type", "directional"}, {"intensity", 3.0}},
+            {{"rotation", rotation_between({0, 0, -1}, {-1.5, 0, -1})}});
+  Job job = job_for(write(b), width, height, 1);
+  look(job, {-2, 0, 5}, {0, 0, 0}, 20);
+  job.technique = "clustered", job.transparency = "sorted";
+  job.settings.push_back({"colored_shadows", "scale", "full"});
+  const double left = 3 * std::sqrt(1 / 3.25) * 0.8 / std::numbers::pi * std::pow(0.99, 300);
+  EXPECT_NEAR(images_of(job)["beauty"].at<glm::vec4>(width / 2, height / 2).x, left, 0.01 * left);
+}
+
 // One of alpha 1 is a wall, shadow and all: to the bit what the material drawn as opaque is.
 TEST_F(FrameOpen, ABlendedSheetOfAlphaOneIsAWall) {
   const auto under = [&](const char* mode, double alpha) {

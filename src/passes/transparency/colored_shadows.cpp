@@ -5,7 +5,10 @@
 namespace candela {
 namespace {
 
-constexpr VkFormat shadow_format = VK_FORMAT_R16G16B16A16_SFLOAT;
+// Halves round by 2^-11 of the light for each surface before it, which hundreds of nearly clear ones add up.
+VkFormat format_of(const ColoredShadowKnobs& knobs) {
+  return knobs.scale == ColoredShadowKnobs::full ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
+}
 
 // Whether some view of the layer draws glass.
 bool has_glass(const ColoredShadows::In& in, uint32_t layer) {
@@ -31,7 +34,8 @@ std::span<const Knob> ColoredShadowKnobs::table() {
        .levels = {off, half, half, full},
        .description =
            "texels along a side of what see-through surfaces leave of a light, over those of its shadow map; off: they "
-           "let all of it through. Exact end: full, with sun.size_px and local.size_px as large as fit",
+           "let all of it through. Exact end: full, in 32-bit floats, with sun.size_px and local.size_px as large as "
+           "fit",
        .choices = {"off", "half", "full"},
        .sweep = {off, half, full}},
       {.name = "steps",
@@ -58,6 +62,7 @@ ColoredShadows::Out ColoredShadows::declare(GraphBuilder& builder, const In& in)
   const ViewImage& maps = *in.image;
   Out out;
   const bool bends = this->bends(in);
+  const VkFormat shadow_format = format_of(knobs);
   ImageDesc desc{"colored_shadows." + maps.name, shadow_format};
   desc.width_px = desc.height_px = knobs.scale == Knobs::full ? maps.size_px : (maps.size_px + 1) / 2;
   desc.kind = ImageKind::d2_array;

@@ -13,7 +13,7 @@ struct ColoredShadowKnobs {
 };
 
 // What see-through surfaces leave of a light's rays, channel by channel, for the views of its shadow maps (McGuire and
-// Mara 2016, 2017): one layered image of 16-bit floats beside the maps.
+// Mara 2016, 2017): one layered image of 16-bit floats (of 32 bits at full scale) beside the maps.
 //
 // - Layer l: in rgb what all blended surfaces and sheets that lie before the nearest opaque surface take together, 1
 //   minus the product of what each lets through, so they need no order; in alpha whether a body of glass is in the way,
@@ -28,7 +28,8 @@ struct ColoredShadowKnobs {
 // What is opaque and lies before a surface darkens it as it does everything. Read by opaque and masked surfaces.
 // Leaves wrong: roughness, which would widen a sheet's shadow and a body's light; light that several bodies bend one
 // after the other, or by total reflection; light bent out of its view; dispersion; between corners light lands on a
-// plane; see-through surfaces and fog take light without colour.
+// plane; see-through surfaces and fog take light without colour; halves, below
+// full scale, stop counting where a surface takes less than 2^-11 of the light.
 struct ColoredShadows {
   static constexpr std::string_view name = "colored_shadows";
   using Knobs = ColoredShadowKnobs;

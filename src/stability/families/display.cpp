@@ -140,6 +140,9 @@ std::vector<StabilityRecipe> stability_recipes(const std::vector<std::pair<int, 
   stability::add_occlusion(all);
   stability::add_far_lights(all);
   stability::add_lobes_under_skies(all);
+  stability::add_deep_shadows(all);
+  stability::add_bodies_by_faces(all);
+  stability::add_mirrors(all);
   return all;
 }
 

@@ -6,6 +6,8 @@ layout(push_constant, scalar) uniform Push { CullPush pc; };
 layout(local_size_x = 256) in;
 // 0: the camera alone, whose planes are in the frame's constants; 1: a range of the table of views.
 layout(constant_id = 0) const int HAS_VIEW_TABLE = 0;
+// 1: some views leave out what moves, others all else.
+layout(constant_id = 1) const int TELLS_MOVING = 0;
 
 // The workgroup's place among all groups of all views of the range.
 uint flat_group() { return gl_WorkGroupID.y * 65535u + gl_WorkGroupID.x; }
@@ -56,8 +58,14 @@ bool is_shown(uint view, Item item) {
   return true;
 }
 
+bool view_skips(uint view, Item item) {
+  const bool moves = (MasksRef(pc.moving).m[item.object_id / 32u] >> (item.object_id & 31u) & 1u) != 0u;
+  return (ViewsRef(pc.views).v[view].flags & (moves ? view_skips_moving : view_skips_standing)) != 0u;
+}
+
 bool item_survives(uint view, uint index) {
   const Item item = ItemsRef(frame.items).i[index];
+  if (TELLS_MOVING != 0 && view_skips(view, item)) return false;
   if (HAS_VIEW_TABLE != 0 && (ViewsRef(pc.views).v[view].flags & view_of_lamp) != 0u) {
     MaterialsRef materials = MaterialsRef(frame.materials);
     const uint texture = materials.m[item.material].emissive_texture.texture;

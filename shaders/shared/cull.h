@@ -37,6 +37,9 @@ struct View {
   float least_depth;
   uvec2 tile_px;
   uint tile_layer;
+  // With view_skips_standing: the tile of what stands, over a copy of which this view's is drawn.
+  uvec2 under_px;
+  uint under_layer;
 };
 
 struct CullPush {
@@ -47,6 +50,7 @@ struct CullPush {
   uint64_t counts;   // of commands, for each view and run
   uint64_t views;    // View; the first of the range
   uint64_t regions;  // the first command of each view and run, and where the last region ends
+  uint64_t moving;   // a bit for each node of the scene: what it shows may move; only where views tell these apart
   uint group_count, run_count, view_count;
   uint culling;  // 0: everything is kept
 };
@@ -85,18 +89,26 @@ SHARED_END
 #ifdef __cplusplus
 namespace candela::shared {
 // view_of_lamp: what glows all over casts no shadow in it (scene/glow.h).
-enum : uint { view_has_served = 1u, view_is_perspective = 2u, view_of_lamp = 4u };
+// view_skips_*: what moves, or all else, is not drawn in it (FrameLamps::moving).
+enum : uint {
+  view_has_served = 1u,
+  view_is_perspective = 2u,
+  view_of_lamp = 4u,
+  view_skips_moving = 8u,
+  view_skips_standing = 16u,
+};
 inline constexpr uint cull_group_size = 256, cull_mask_words = cull_group_size / 32;
 // Groups beyond what one dimension of a dispatch takes on every device (65535) go to the second.
 inline uvec2 cull_threads(uint groups) {
   const uint row = groups < 65535 ? groups : 65535;
   return {row * cull_group_size, (groups + 65534) / 65535};
 }
-static_assert(sizeof(CullGroup) == 28 && sizeof(DrawCommand) == 20 && sizeof(CullPush) == 72);
-static_assert(sizeof(View) == 292 && offsetof(View, planes) == 64 && offsetof(View, least_px) == 224);
+static_assert(sizeof(CullGroup) == 28 && sizeof(DrawCommand) == 20 && sizeof(CullPush) == 80);
+static_assert(sizeof(View) == 304 && offsetof(View, planes) == 64 && offsetof(View, least_px) == 224);
 }  // namespace candela::shared
 #else
-const uint view_has_served = 1u, view_is_perspective = 2u, view_of_lamp = 4u;
+const uint view_has_served = 1u, view_is_perspective = 2u, view_of_lamp = 4u, view_skips_moving = 8u,
+           view_skips_standing = 16u;
 const uint cull_group_size = 256u, cull_mask_words = cull_group_size / 32u;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer CullGroupsRef { CullGroup g[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ViewsRef { View v[]; };

@@ -48,7 +48,9 @@ Json sequence_timings(const SequenceResult& result, const Session& session) {
   j["cpu_ms"] = cpu_json(session.opening(), result.timings);
   j["process_ms"] = process_clock_us() * 1e-3;
   j["memory"] = memory_json(session, result.plan);
-  j["local_maps"] = {{"used", result.timings.lamp_maps}, {"drawn", result.timings.lamp_maps_drawn}};
+  j["local_maps"] = {{"used", result.timings.lamp_maps},
+                     {"drawn", result.timings.lamp_maps_drawn},
+                     {"drawn_over", result.timings.lamp_maps_over}};
   j["uploaded_bytes"] = uploaded_json(session.opening(), result.timings);
   return j;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "scene/moving_nodes.h"
 #include "scene/sum_over_instances.h"
 
 namespace candela {
@@ -19,23 +20,12 @@ uint64_t triangles(const Scene& scene) {
   });
 }
 
-bool moves_nodes(TargetPath path) { return path <= TargetPath::node_visible; }
-
 // Whether an animation of the scene moves what is drawn, and not cameras, lights or materials alone.
 bool surfaces_move(const Scene& scene) {
-  std::vector<bool> moved(scene.nodes.size());
-  for (const Animation& animation : scene.animations)
-    for (const AnimationChannel& channel : animation.channels)
-      if (moves_nodes(channel.path) && channel.object >= 0) moved[size_t(channel.object)] = true;
-  // `order` has parents first.
-  for (const int n : scene.order) {
-    const int parent = scene.nodes[size_t(n)].parent;
-    if (parent >= 0 && moved[size_t(parent)]) moved[size_t(n)] = true;
-  }
-  const auto is_moved = [&](int node) { return moved[size_t(node)]; };
-  return std::ranges::any_of(scene.order,
-                             [&](int n) { return scene.nodes[size_t(n)].mesh >= 0 && moved[size_t(n)]; }) ||
-         std::ranges::any_of(scene.skins, [&](const Skin& s) { return std::ranges::any_of(s.joints, is_moved); });
+  AnimationChoice all;
+  for (size_t a = 0; a < scene.animations.size(); ++a) all.animations.push_back(int(a));
+  const std::vector<bool> moving = moving_nodes(scene, all);
+  return std::ranges::any_of(scene.order, [&](int n) { return scene.nodes[size_t(n)].mesh >= 0 && moving[size_t(n)]; });
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "passes/geometry/depth_views.h"
 #include "plan/frame_suns.h"
 #include "plan/lamp_faces.h"
+#include "scene/moving_nodes.h"
 
 namespace candela {
 namespace {
@@ -134,14 +135,75 @@ std::optional<Hash128> map_key(const Lamp& lamp, int face, uint32_t size_px, con
   return hash128(all);
 }
 
-// Of the views those that are drawn.
-FrameViews of_drawn(const FrameViews& all, const ViewImage& image, size_t runs) {
+// A bit for each node whose shadow moves; none where nothing does.
+std::vector<uint32_t> moving_casters(const Scene& scene, const std::vector<bool>& moving, const FrameUpload& upload) {
+  std::vector<uint32_t> bits((moving.size() + 31) / 32);
+  bool any = false;
+  const auto add = [&](uint32_t node) { any = true, bits[node / 32] |= 1u << (node % 32); };
+  for (uint32_t n = 0; n < moving.size(); ++n)
+    if (moving[n] && scene.nodes[n].mesh >= 0) add(n);
+  for (const shared::Item& item : upload.items)
+    if (upload.geometries[item.geometry].flags & shared::geometry_deformed) add(item.object_id);
+  if (!any) bits.clear();
+  return bits;
+}
+
+// Maps of lights that stand, in which something moves: they may be drawn as what moves over what stands. By their
+// places among the views, to which those of what moves are added.
+std::vector<uint32_t> add_over(std::span<const ViewCasters::OfView> casters, std::span<const uint8_t> lamp_moves,
+                               ViewImage& image) {
+  std::vector<uint32_t> split, sizes;
+  for (uint32_t v = 0; v < image.views.size(); ++v)
+    if (!lamp_moves[v] && !casters[v].moving_counts.empty()) split.push_back(v);
+  for (const uint32_t v : split) sizes.push_back(image.views[v].size_px.x);
+  const std::vector<LampTile> places = pack_lamp_tiles(sizes, image.size_px);
+  for (size_t i = 0; i < split.size(); ++i) {
+    shared::View view = image.views[split[i]];
+    view.flags |= shared::view_skips_standing;
+    view.origin_px = places[i].origin_px;
+    view.layer = image.layers + places[i].layer;
+    image.views.push_back(view);
+  }
+  image.over = uint32_t(split.size());
+  // In powers of two: what moves does not change the plan.
+  if (image.over > 0) image.texel_layers = image.layers + std::bit_ceil(places.back().layer + 1);
+  return split;
+}
+
+// As place_lamps(), of maps in any order.
+std::optional<PlacedLamps> place_views_of(const KeptLamps& kept, std::span<const LampMap> maps, bool floats,
+                                          uint32_t layer_px, uint64_t most_bytes) {
+  std::vector<uint32_t> order(maps.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::ranges::stable_sort(order, std::ranges::greater(), [&](uint32_t m) { return maps[m].size_px; });
+  std::vector<LampMap> sorted;
+  for (const uint32_t m : order) sorted.push_back(maps[m]);
+  auto placed = place_lamps(kept.pool, sorted, floats, layer_px, most_bytes);
+  if (!placed) return placed;
+  std::vector<LampTile> tiles(maps.size());
+  for (size_t i = 0; i < order.size(); ++i) tiles[order[i]] = placed->tiles[i];
+  for (uint32_t& drawn : placed->drawn) drawn = order[drawn];
+  std::ranges::sort(placed->drawn);
+  placed->tiles = std::move(tiles);
+  return placed;
+}
+
+// Of the views those that are drawn. split: as of add_over().
+FrameViews of_drawn(const FrameViews& all, const ViewImage& image, std::span<const uint32_t> split,
+                    std::span<const ViewCasters::OfView> casters, size_t runs) {
   FrameViews out;
   out.first_command.push_back(0);
   for (const uint32_t v : image.drawn) {
-    out.table.push_back(image.views[v]);
-    for (size_t r = v * runs; r < (v + 1) * runs; ++r)
-      out.first_command.push_back(out.first_command.back() + all.first_command[r + 1] - all.first_command[r]);
+    const shared::View& view = image.views[v];
+    const uint32_t of_all = v < image.first_over() ? v : split[v - image.first_over()];
+    out.table.push_back(view);
+    for (size_t r = 0; r < runs; ++r) {
+      const uint32_t* first = &all.first_command[of_all * runs + r];
+      const bool parts = (view.flags & (shared::view_skips_moving | shared::view_skips_standing)) != 0;
+      const uint32_t moving = parts ? casters[of_all].moving_counts[r] : 0;
+      const uint32_t count = view.flags & shared::view_skips_standing ? moving : first[1] - first[0] - moving;
+      out.first_command.push_back(out.first_command.back() + count);
+    }
   }
   if (out.table.empty()) out.table.emplace_back();  // a buffer holds something
   return out;
@@ -274,37 +336,74 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const SurveyedFrame& frame, 
   image.most_px = most_px;
   image.apart = !options.see_through;
   const bool keeps = image.apart && options.kept_lamps;
+  std::vector<bool> moves(scene.nodes.size());
+  if (image.apart && options.animations) {
+    moves = moving_nodes(scene, *options.animations);
+    out.moving = moving_casters(scene, moves, packed.upload);
+  }
   CasterHashes hashes;
   if (keeps) hashes = caster_hashes(data, packed.draws, packed.upload, frame.pose);
-  ViewCasters casters{hashes, {}};
+  ViewCasters casters{keeps ? &hashes : nullptr, out.moving, {}};
+  const bool image_is_apart = image.apart;
   if (auto placed = place_maps(out, std::move(image), data, packed.draws, packed.upload.items, options, knobs.draws,
-                               "local.draws", keeps ? &casters : nullptr);
+                               "local.draws", image_is_apart ? &casters : nullptr);
       !placed)
     return std::unexpected(placed.error());
-  out.most_views = uint32_t(faces.size());
+  out.maps = out.most_views = uint32_t(faces.size());
   if (!out.image->apart) return out;
   auto apart = std::make_shared<ViewImage>(*out.image);
   apart->commands = out.views.first_command.back();
+  std::vector<uint8_t> lamp_moves;
+  for (const Face& f : faces) lamp_moves.push_back(moves[data.lights[lamps[f.lamp].light].node]);
+  const std::vector<uint32_t> split = add_over(casters.of_view, lamp_moves, *apart);
+  out.most_views = uint32_t(apart->views.size());
   apart->drawn.resize(faces.size());
   std::iota(apart->drawn.begin(), apart->drawn.end(), 0u);
   if (keeps) {
-    std::vector<LampMap> maps;
-    for (size_t f = 0; f < faces.size(); ++f)
-      maps.push_back({sizes[f], map_key(lamps[faces[f].lamp].lamp, faces[f].face, sizes[f], casters.of_view[f], options,
-                                        request.open_sides)});
+    const auto key_of = [&](uint32_t view, const CasterHash& seen) {
+      const Face& f = faces[view];
+      return map_key(lamps[f.lamp].lamp, f.face, sizes[view], seen, options, request.open_sides);
+    };
     const uint64_t most_bytes =
         std::min(options.kept_lamps->most_bytes, kept_budgets * (uint64_t(knobs.budget_mb) << 20));
-    if (auto placed =
-            place_lamps(options.kept_lamps->pool, maps, options.floats, std::max(most_px, pool_layer_px), most_bytes)) {
+    // in_parts: what moves over what stands; else all of them as one map each.
+    const auto keep = [&](bool in_parts) {
+      std::vector<LampMap> maps;
+      for (uint32_t f = 0; f < faces.size(); ++f) {
+        CasterHash seen = casters.of_view[f].standing;
+        if (!in_parts || lamp_moves[f]) seen.add(casters.of_view[f].moving);
+        maps.push_back({sizes[f], key_of(f, seen), lamp_moves[f] || !casters.of_view[f].moving_counts.empty()});
+      }
+      for (const uint32_t f : in_parts ? std::span(split) : std::span<const uint32_t>()) {
+        CasterHash seen = casters.of_view[f].standing;
+        seen.add(casters.of_view[f].moving);
+        maps[f].passing = false;
+        maps.push_back({sizes[f], key_of(f, seen), true});
+      }
+      return place_views_of(*options.kept_lamps, maps, options.floats, std::max(most_px, pool_layer_px), most_bytes);
+    };
+    auto placed = keep(true);
+    const bool in_parts = placed.has_value();
+    if (!placed && !split.empty()) placed = keep(false);
+    if (placed) {
       for (shared::LampShadow& shadow : out.shadows) shadow.uv_per_texel = float(1.0 / placed->pool.layer_px);
-      for (size_t f = 0; f < faces.size(); ++f)
-        move_lamp_face(faces[f].face, sizes[f], placed->tiles[f], apart->views[f], out.shadows[faces[f].lamp]);
+      const auto move = [&](size_t view, size_t face) {
+        move_lamp_face(faces[face].face, sizes[face], placed->tiles[view], apart->views[view],
+                       out.shadows[faces[face].lamp]);
+      };
+      for (size_t f = 0; f < faces.size(); ++f) move(f, f);
+      for (size_t i = 0; in_parts && i < split.size(); ++i) {
+        shared::View &stands = apart->views[split[i]], &over = apart->views[faces.size() + i];
+        stands.flags |= shared::view_skips_moving;
+        over.under_px = stands.tile_px, over.under_layer = stands.tile_layer;
+        move(faces.size() + i, split[i]);
+      }
       apart->drawn = std::move(placed->drawn);
       apart->outlives = true;
       out.pool = std::move(placed->pool);
     }
   }
-  out.views = of_drawn(out.views, *apart, packed.draws.batches.size());
+  out.views = of_drawn(out.views, *apart, split, casters.of_view, packed.draws.batches.size());
   out.image = std::move(apart);
   return out;
 }

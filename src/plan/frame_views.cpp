@@ -21,7 +21,7 @@ std::vector<ItemCluster> item_clusters(const FrameData& data, const DrawList& dr
     const ItemGroup& group = data.item_groups[size_t(span.group)];
     for (const InstanceCluster& cluster : group.set->clusters) {
       const DAabb box = relative_box(group, cluster);
-      clusters.push_back({run, cluster.count * span.sections, box.centre(), box.extent()});
+      clusters.push_back({run, cluster.count * span.sections, group.node, box.centre(), box.extent()});
     }
   }
   return clusters;
@@ -49,24 +49,29 @@ Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<cons
   if (casters) casters->of_view.resize(placed.table.size());
   tbb::parallel_for(size_t(0), placed.table.size(), [&](size_t v) {
     uint32_t* of_view = &counts[v * runs.size()];
-    CasterHash hash;
+    ViewCasters::OfView of_casters;
+    const auto add = [&](uint32_t run, uint32_t count, uint32_t node, std::span<const CasterHash> hashes, size_t at) {
+      of_view[run] += count;
+      if (!casters) return;
+      const bool moves = casters->moves(node);
+      if (casters->hashes) (moves ? of_casters.moving : of_casters.standing).add(hashes[at]);
+      if (!moves) return;
+      of_casters.moving_counts.resize(runs.size());
+      of_casters.moving_counts[run] += count;
+    };
+    const CasterHashes none, &hashes = casters && casters->hashes ? *casters->hashes : none;
     for (size_t c = 0; c < clusters.size(); ++c)
       if (const ItemCluster& cluster = clusters[c];
           draws(runs[cluster.run]) &&
-          (!culling || may_keep(placed.table[v], cluster.bounds_centre, cluster.bounds_extent))) {
-        of_view[cluster.run] += cluster.count;
-        if (casters) hash.add(casters->hashes.clusters[c]);
-      }
-    const auto found = [&](uint32_t i) {
-      ++of_view[run_of[i]];
-      if (casters) hash.add(casters->hashes.items[i]);
-    };
+          (!culling || may_keep(placed.table[v], cluster.bounds_centre, cluster.bounds_extent)))
+        add(cluster.run, cluster.count, cluster.node, hashes.clusters, c);
+    const auto found = [&](uint32_t i) { add(uint32_t(run_of[i]), 1, items[i].object_id, hashes.items, i); };
     if (tree)
       tree->each(placed.table[v], found);
     else
       for (uint32_t i = 0; i < items.size(); ++i)
         if (run_of[i] >= 0) found(i);
-    if (casters) casters->of_view[v] = hash;
+    if (casters) casters->of_view[v] = std::move(of_casters);
   });
   uint64_t needed = 0;
   for (const uint32_t count : counts) {

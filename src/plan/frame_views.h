@@ -10,6 +10,7 @@
 #include "plan/caster_hash.h"
 #include "plan/lamp_pool.h"
 #include "scene/draw_list.h"
+#include "scene/pose.h"
 #include "shared/cull.h"
 #include "shared/scene.h"
 
@@ -23,15 +24,21 @@ struct FrameViews {
 
 // Neighbours among the items of a run, where a pass poses them: a box about all of theirs, relative space.
 struct ItemCluster {
-  uint32_t run = 0, count = 0;
+  uint32_t run = 0, count = 0, node = 0;
   glm::dvec3 bounds_centre{0}, bounds_extent{0};
 };
 std::vector<ItemCluster> item_clusters(const FrameData& data, const DrawList& draws);
 
-// What each view may draw, for keys of its texels: of those of all items and clusters.
+// What each view may draw of what stands and of what moves, for keys of its texels.
 struct ViewCasters {
-  const CasterHashes& hashes;
-  std::vector<CasterHash> of_view;
+  const CasterHashes* hashes = nullptr;  // null: hashes are not asked for
+  std::span<const uint32_t> moving;      // a bit for each node (FrameLamps::moving); empty: nothing moves
+  struct OfView {
+    CasterHash standing, moving;
+    std::vector<uint32_t> moving_counts;  // how many of those that move, by run; empty: none
+  };
+  std::vector<OfView> of_view;
+  bool moves(uint32_t node) const { return !moving.empty() && (moving[node / 32] >> (node % 32) & 1u) != 0; }
 };
 
 // Room for the draw commands of every view and run: as many as the CPU counts with a test that never culls what the
@@ -60,13 +67,14 @@ struct ShadowMaps {
 };
 // What both kinds of maps depend on beside their own knobs.
 struct MapOptions {
-  int longer_side_px = 0;                 // of the picture
-  double scene_size_m = 0;                // GeometryLayout::size_m
-  bool culling = true;                    // the pass that culls does so
-  bool see_through = false;               // see-through surfaces are drawn into the views
-  bool floats = false;                    // maps are of plain floats, not of depths: those that compute draws
-  const KeptLamps* kept_lamps = nullptr;  // null: maps of point and spot lights do not outlive the frame
-  TextureKnobs textures = {};             // that masks are read with
+  int longer_side_px = 0;                       // of the picture
+  double scene_size_m = 0;                      // GeometryLayout::size_m
+  bool culling = true;                          // the pass that culls does so
+  bool see_through = false;                     // see-through surfaces are drawn into the views
+  bool floats = false;                          // maps are of plain floats, not of depths: those that compute draws
+  const KeptLamps* kept_lamps = nullptr;        // null: maps of point and spot lights do not outlive the frame
+  const AnimationChoice* animations = nullptr;  // that play; null: none
+  TextureKnobs textures = {};                   // that masks are read with
 };
 // Gives the views of the maps room for their draw commands, and the maps their image. Errors: as place_views().
 Expected<void> place_maps(ShadowMaps& maps, ViewImage image, const FrameData& data, const DrawList& draws,

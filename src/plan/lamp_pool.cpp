@@ -36,7 +36,7 @@ class Squares {
             uint32_t(first / per_layer_)};
   }
   // Where a map of that size takes the place of what was not used for the longest time: nothing, at best. used_of: of
-  // an owner. The frame `now` keeps what it uses; nothing: no run is free of that.
+  // an owner, greater than 0. What is used `now` stays; nothing: no run is free of that.
   template <class UsedOf>
   std::optional<uint64_t> oldest(uint32_t size_px, uint64_t now, UsedOf used_of) const {
     const uint64_t run = length(size_px);
@@ -83,7 +83,12 @@ std::optional<PlacedLamps> place(LampPool pool, std::span<const LampMap> maps) {
       out.tiles.push_back(pool.maps[found->second].tile);
       continue;
     }
-    const auto first = squares.oldest(map.size_px, now, [&](uint32_t m) { return pool.maps[m].used; });
+    // Odd: of what moves.
+    const auto used_of = [&](uint32_t m) {
+      const LampPool::Map& there = pool.maps[m];
+      return there.passing && there.used < now ? 1 : 2 * there.used;
+    };
+    const auto first = squares.oldest(map.size_px, 2 * now, used_of);
     if (!first) return std::nullopt;
     std::vector<uint32_t> over;
     squares.each_owner(*first, map.size_px, [&](uint32_t m) { over.push_back(m); });
@@ -93,7 +98,7 @@ std::optional<PlacedLamps> place(LampPool pool, std::span<const LampMap> maps) {
       gone[m] = true;
     }
     const uint32_t added = uint32_t(pool.maps.size());
-    pool.maps.push_back({map.key.value_or(Hash128{}), map.size_px, squares.tile_at(*first), now});
+    pool.maps.push_back({map.key.value_or(Hash128{}), map.size_px, squares.tile_at(*first), now, map.passing});
     gone.push_back(false), of_frame.push_back(!map.key);
     if (map.key) known[*map.key] = added;
     squares.put(*first, map.size_px, added);

@@ -16,7 +16,8 @@ struct LampPool {
     Hash128 key;
     uint32_t size_px = 0;
     LampTile tile;
-    uint64_t used = 0;  // the last of the pool's frames that reads it
+    uint64_t used = 0;     // the last of the pool's frames that reads it
+    bool passing = false;  // as of LampMap
   };
   uint32_t layer_px = 0, layers = 0;
   bool floats = false;  // what the image is of: plain floats, or depths
@@ -31,10 +32,12 @@ struct KeptLamps {
   uint64_t most_bytes = 0;  // of the image
 };
 
-// A frame's maps as they are to be placed. Without a key: of something that changes from frame to frame.
+// A frame's maps as they are to be placed. Without a key: of something that changes from frame to frame. passing: of
+// something that moves, so that later frames hardly want it; it is the first to make room for others.
 struct LampMap {
   uint32_t size_px = 0;
   std::optional<Hash128> key;
+  bool passing = false;
 };
 struct PlacedLamps {
   LampPool pool;                // once the frame is drawn

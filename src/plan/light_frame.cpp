@@ -64,6 +64,8 @@ Expected<LitFrame> light_frame(const AskedFrame& asked, const SurveyedFrame& fra
   if (!lit.light_grid.note.empty()) lit.notes.push_back(lit.light_grid.note);
 
   clock.begin("sun_shadows");
+  const auto animations = choose_animations(context.scene, asked.job.animation);
+  if (!animations) return std::unexpected(animations.error());
   lit.shadow_colors = draws_shadow_colors(frame.facts, request, knobs);
   const MapOptions maps{.longer_side_px = std::max(request.width_px, request.height_px),
                         .scene_size_m = context.layout.size_m,
@@ -71,6 +73,7 @@ Expected<LitFrame> light_frame(const AskedFrame& asked, const SurveyedFrame& fra
                         .see_through = lit.shadow_colors,
                         .floats = packed.upload.batch_count > 0,
                         .kept_lamps = context.kept_lamps,
+                        .animations = &*animations,
                         .textures = knobs.get<TextureKnobs>()};
   auto suns = plan_suns(context.scene, frame, packed, knobs.get<SunKnobs>(), maps);
   if (!suns) return std::unexpected(suns.error());

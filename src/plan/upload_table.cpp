@@ -84,6 +84,7 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     add_rounded("frame.local_views", &Inputs::lamp_views, frame.lamps.views.table, frame.lamps.most_views);
     add_rounded("frame.local_view_regions", &Inputs::lamp_view_regions, frame.lamps.views.first_command,
                 frame.lamps.most_views * frame.draws.batches.size() + 1);
+    add("frame.moving", &Inputs::moving, frame.lamps.moving);
     add_rounded("frame.local_lights", &Inputs::lamps, frame.lamps.shadows);
     add("frame.deform_jobs", &Inputs::deform_jobs, u.deform_jobs);
     add("frame.joints", &Inputs::joints, frame.data.joint_matrices);

@@ -29,6 +29,15 @@ Error as_error(const gpu::GpuError& e) {
   return {e.out_of_memory() ? ErrorKind::out_of_memory : ErrorKind::device, e.what(), e.place};
 }
 
+void count_lamp_maps(const FrameLamps& lamps, Timings& timings) {
+  timings.lamp_maps = timings.lamp_maps_drawn = lamps.maps;
+  if (!lamps.image || !lamps.image->apart) return;
+  const std::vector<uint32_t>& drawn = lamps.image->drawn;
+  const auto over = std::ranges::lower_bound(drawn, lamps.image->first_over());
+  timings.lamp_maps_drawn = uint64_t(over - drawn.begin());
+  timings.lamp_maps_over = uint64_t(drawn.end() - over);
+}
+
 class DeviceSession : public Session {
  public:
   DeviceSession(Job job, WantedOutputs wanted, RunSettings settings)
@@ -265,10 +274,7 @@ Expected<FrameTicket> DeviceSession::begin_job(const Job& job, double time_s, bo
     }
     const auto ticket = begin_planned(*planned, begun, hash_outputs);
     if (!ticket) return ticket;
-    result.timings.lamp_maps = planned->lamps.most_views;
-    if (planned->lamps.image)
-      result.timings.lamp_maps_drawn =
-          planned->lamps.image->apart ? planned->lamps.image->drawn.size() : planned->lamps.most_views;
+    count_lamp_maps(planned->lamps, result.timings);
     result.timings.uploaded_bytes = device_->uploaded_bytes() - uploaded_before;
     result.width_px = job_.width_px;
     result.height_px = job_.height_px;

@@ -27,7 +27,9 @@ struct Timings {
   std::vector<std::pair<std::string, double>> cpu_ms;
   std::vector<gpu::PassTime> gpu_ms;
   double frame_gpu_ms = 0;
-  uint64_t lamp_maps = 0, lamp_maps_drawn = 0;  // shadow maps of point and spot lights: those that are not kept
+  // Shadow maps of point and spot lights: that the frame reads; that it draws, the others being kept; and those of what
+  // moves, over a copy of what stands.
+  uint64_t lamp_maps = 0, lamp_maps_drawn = 0, lamp_maps_over = 0;
   uint64_t uploaded_bytes = 0;  // sent to the device: of a frame, what differs from what the device holds
   // Spans for the Chrome trace: name, start and length in microseconds since the process began, lane ("cpu",
   // "compile", "encode", "gpu").

@@ -97,11 +97,11 @@ void shadow_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surface
     return light_maps(frame, scene, surfaces, image, key, views, as_depth, absence, instance);
   };
   const LightMaps suns =
-      maps(scene.sun_image, scene.sun_key, {scene.views, scene.view_regions, 0, 0, scene.view_first_command, 0, 0},
+      maps(scene.sun_image, scene.sun_key, {scene.views, scene.view_regions, 0, 0, scene.view_first_command, 0, 0, {}},
            true, scene.sun_absence, "sun");
   const LightMaps lamps =
       maps(scene.lamp_image, scene.lamp_key,
-           {scene.lamp_views, scene.lamp_view_regions, 0, 0, scene.lamp_first_command, 0, 0},
+           {scene.lamp_views, scene.lamp_view_regions, 0, 0, scene.lamp_first_command, 0, 0, scene.moving},
            draws_shadow_colors(frame.facts, frame.request, frame.knobs), scene.lamp_absence, "local");
   lighting.sun_maps = suns.depth, lighting.lamp_maps = lamps.depth;
   // Rays tell themselves what is left of a light.

@@ -167,6 +167,7 @@ class KeptLampMaps : public KeptMaps, public ::testing::WithParamInterface<const
     const int caster = add_node(b, {{"mesh", add_square_mesh(b, 0.6f, material)}, {"translation", {0, 0, 1}}});
     add_node(b, {{"mesh", add_square_mesh(b, 0.5f, add_material(b, holes))}, {"translation", {4.2, 0.3, 1}}});
     add_node(b, {{"mesh", add_square_mesh(b, 0.7f, material)}, {"translation", {-4, 0, 0.6}}});
+    add_node(b, {{"mesh", add_square_mesh(b, 0.3f, material)}, {"translation", {0.8, 0.7, 0.7}}});
     add_light(b, {{"type", "point"}, {"intensity", 30}, {"range", 4}}, {{"translation", {0.3, 0.2, 2}}});
     add_light(b, {{"type", "spot"}, {"intensity", 60}, {"range", 6}, {"spot", Json::object()}},
               {{"translation", {0.5, 1, 3}}});
@@ -207,11 +208,13 @@ class KeptLampMaps : public KeptMaps, public ::testing::WithParamInterface<const
     }
     return all;
   }
-  // Of the frames in that order: how many maps each reads, and draws.
-  static std::vector<std::pair<uint64_t, uint64_t>> film(const Job& job, const std::vector<int>& frames,
-                                                         const std::vector<Images>& expected,
-                                                         uint64_t bytes = uint64_t(512) << 20) {
-    std::vector<std::pair<uint64_t, uint64_t>> counts;
+  // Of the frames in that order: how many maps each reads, draws, and draws what moves over.
+  struct Counts {
+    uint64_t used, drawn, over;
+  };
+  static std::vector<Counts> film(const Job& job, const std::vector<int>& frames, const std::vector<Images>& expected,
+                                  uint64_t bytes = uint64_t(512) << 20) {
+    std::vector<Counts> counts;
     const auto session = open_keeping(job, bytes);
     if (!session) return counts;
     for (const int frame : frames) {
@@ -219,7 +222,7 @@ class KeptLampMaps : public KeptMaps, public ::testing::WithParamInterface<const
       session->set_camera(m.camera);
       const FrameResult result = render(*session, m.time_s);
       EXPECT_EQ(images(result), expected[size_t(frame)]) << frame;
-      counts.emplace_back(result.timings.lamp_maps, result.timings.lamp_maps_drawn);
+      counts.push_back({result.timings.lamp_maps, result.timings.lamp_maps_drawn, result.timings.lamp_maps_over});
     }
     return counts;
   }
@@ -240,13 +243,13 @@ TEST_P(KeptLampMaps, OfStandingThingsAreDrawnOnceForEachSize) {
     const auto counts = film(job, order, expected);
     ASSERT_EQ(counts.size(), order.size());
     uint64_t used = 0, drawn = 0;
-    for (const auto& [u, d] : counts) used += u, drawn += d;
-    EXPECT_EQ(counts[0].second, counts[0].first);
+    for (const Counts& c : counts) used += c.used, drawn += c.drawn;
+    EXPECT_EQ(counts[0].drawn, counts[0].used);
     EXPECT_LT(drawn, used) << order[0];
   }
   // Once there is room for all, none is drawn again.
   const auto often = film(job, {0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 5, 3, 1, 0, 2, 4}, expected);
-  for (size_t i = 12; i < often.size(); ++i) EXPECT_EQ(often[i].second, 0u) << i;
+  for (size_t i = 12; i < often.size(); ++i) EXPECT_EQ(often[i].drawn, 0u) << i;
 }
 
 TEST_P(KeptLampMaps, FollowWhatMovesAmongStandingThings) {
@@ -255,9 +258,42 @@ TEST_P(KeptLampMaps, FollowWhatMovesAmongStandingThings) {
   for (const std::vector<int>& order : orders()) film(job, order, expected);
   const auto counts = film(job, {0, 1, 1, 2}, expected);
   ASSERT_EQ(counts.size(), 4u);
-  EXPECT_GT(counts[1].second, 0u) << "something moved";
-  EXPECT_LT(counts[1].second, counts[1].first) << "two lamps do not reach it";
-  EXPECT_EQ(counts[2].second, 0u);
+  EXPECT_GT(counts[1].over, 0u) << "something moved";
+  EXPECT_LT(counts[1].over, counts[1].used) << "two lamps do not reach it";
+  EXPECT_EQ(counts[2].drawn + counts[2].over, 0u);
+}
+
+// The camera stands: what stands is drawn by the first frame, and then what moves alone.
+TEST_P(KeptLampMaps, OfStandingThingsStayUnderWhatMoves) {
+  Job job = lit_job(Moving::caster, GetParam());
+  job.camera = moment(job, 3).camera;
+  std::set<std::vector<std::byte>> pictures;
+  const auto session = open_keeping(job);
+  ASSERT_TRUE(session);
+  for (const double time : {0.0, 0.3, 0.6, 1.0, 0.6}) {
+    Images expected = images_of(job, {}, time);
+    pictures.insert(expected["beauty"].bytes);
+    const FrameResult result = render(*session, time);
+    EXPECT_EQ(images(result), expected) << time;
+    EXPECT_EQ(result.plan_hash, render(*open(job), time).plan_hash);
+    const Timings& t = result.timings;
+    EXPECT_EQ(t.lamp_maps_drawn, time == 0 ? t.lamp_maps : 0) << time;
+    EXPECT_LT(t.lamp_maps_over, t.lamp_maps);
+    if (pictures.size() == 4 && time == 0.6)
+      EXPECT_EQ(t.lamp_maps_over, 0u) << "it was there";
+    else
+      EXPECT_GT(t.lamp_maps_over, 0u) << time;
+  }
+  EXPECT_EQ(pictures.size(), 4u);
+}
+
+// Lamps that move have nothing that stands.
+TEST_P(KeptLampMaps, OfMovingLampsAreDrawnAsOne) {
+  const Job job = lit_job(Moving::lamps, GetParam());
+  for (const Counts& c : film(job, {0, 1, 2, 3}, alone(job))) {
+    EXPECT_EQ(c.drawn, c.used);
+    EXPECT_EQ(c.over, 0u);
+  }
 }
 
 // Memory for a part of the maps that a film needs, and for less than those of one frame.
@@ -269,9 +305,24 @@ TEST_P(KeptLampMaps, AreDrawnAgainWhereTheirMemoryIsTooSmall) {
   const std::vector<int> to_and_fro = {0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
   uint64_t again = 0;
   const auto counts = film(job, to_and_fro, expected);
-  for (size_t i = 6; i < counts.size(); ++i) again += counts[i].second;
+  for (size_t i = 6; i < counts.size(); ++i) again += counts[i].drawn;
   EXPECT_GT(again, 0u) << "it holds not all";
-  for (const auto& [used, drawn] : film(job, to_and_fro, expected, uint64_t(3) << 20)) EXPECT_EQ(used, drawn);
+  for (const Counts& c : film(job, to_and_fro, expected, uint64_t(3) << 20)) EXPECT_EQ(c.used, c.drawn);
+}
+
+// What stands and what moves over it do not fit together: each map is one again.
+TEST_P(KeptLampMaps, AreWholeWhereTheirPartsDoNotFit) {
+  Job job = lit_job(Moving::caster, GetParam());
+  job.settings = {{"local", "budget_mb", "4"}};
+  job.width_px = 720, job.height_px = 480;
+  const std::vector<Images> expected = alone(job);
+  for (const uint64_t megabytes : {4, 8}) {
+    uint64_t over = 0, drawn = 0, used = 0;
+    for (const Counts& c : film(job, {4, 5, 4}, expected, megabytes << 20))
+      over += c.over, drawn += c.drawn, used += c.used;
+    EXPECT_EQ(over > 0, megabytes > 4) << megabytes;
+    EXPECT_LT(drawn, used) << megabytes;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Techniques, KeptLampMaps, ::testing::Values("clustered", "visibility"),

@@ -91,6 +91,19 @@ TEST(LampPool, PutsTheNewOverWhatWasNotUsedForTheLongestTime) {
   EXPECT_TRUE(placed(pool, {map_of(3, 256)}, 1).drawn.empty());
 }
 
+// One layer, of four maps: that of what moves makes room first, though it was used last.
+TEST(LampPool, PutsTheNewOverWhatMovesFirst) {
+  LampPool pool;
+  for (const uint64_t number : {1, 2, 3}) pool = placed(pool, {map_of(number, 256)}, 1).pool;
+  LampMap moves = map_of(4, 256);
+  moves.passing = true;
+  pool = placed(pool, {moves}, 1).pool;
+  EXPECT_TRUE(placed(pool, {moves}, 1).drawn.empty()) << "as long as there is room";
+  pool = placed(pool, {map_of(5, 256)}, 1).pool;
+  for (const uint64_t number : {1, 2, 3}) EXPECT_TRUE(placed(pool, {map_of(number, 256)}, 1).drawn.empty()) << number;
+  EXPECT_EQ(placed(pool, {moves}, 1).drawn.size(), 1u);
+}
+
 TEST(LampPool, AnyFrameThatFitsIsPlacedWhateverCameBefore) {
   Rng rng(31);
   LampPool pool;
@@ -101,6 +114,7 @@ TEST(LampPool, AnyFrameThatFitsIsPlacedWhateverCameBefore) {
       texels += uint64_t(map.size_px) * map.size_px;
       if (texels > 2 * uint64_t(layer_px) * layer_px) break;
       if (rng.next() % 8 == 0) map.key.reset();
+      map.passing = rng.next() % 4 == 0;
       if (std::ranges::none_of(maps, [&](const LampMap& m) { return m.key && m.key == map.key; })) maps.push_back(map);
     }
     maps = sorted(maps);

@@ -101,7 +101,7 @@ TEST(FrameViews, ClustersHaveRoomForAllThatMayBeKept) {
     for (uint32_t i = first; i < first + 4; ++i)
       box.add(DAabb{glm::dvec3(items[i].bounds_centre) - glm::dvec3(items[i].bounds_extent),
                     glm::dvec3(items[i].bounds_centre) + glm::dvec3(items[i].bounds_extent)});
-    clusters.push_back({1, 4, box.centre(), box.extent()});
+    clusters.push_back({1, 4, 0, box.centre(), box.extent()});
   }
   const auto placed = place_views(views, host, runs, true, 1 << 20, "sun.draws", false, clusters);
   const auto unculled = place_views(views, host, runs, false, 1 << 20, "sun.draws", false, clusters);
@@ -113,6 +113,41 @@ TEST(FrameViews, ClustersHaveRoomForAllThatMayBeKept) {
       EXPECT_GE(room(*placed), room(*expected)) << region;
     else
       EXPECT_EQ(room(*placed), room(*expected)) << region;
+  }
+}
+
+// Where the views are without what stands, and without what moves, their draws are as many as without either.
+TEST(FrameViews, CountWhatMoves) {
+  Rng rng(8);
+  auto items = random_items(300, 10, rng);
+  for (uint32_t i = 0; i < items.size(); ++i) items[i].object_id = i % 40;
+  const std::vector<DrawBatch> runs = {run(0, 100), run(100, 108, AlphaMode::mask), run(208, 100)};
+  const ItemCluster standing{1, 4, 34, {3, 1, -4}, {1, 1, 1}}, moves{1, 4, 35, {3, 1, -4}, {1, 1, 1}};
+  const std::vector<uint32_t> bits = {1u << 7, 1u << 3};  // nodes 7 and 35
+  std::vector<shared::View> views;
+  add_cube({3, 1, -4}, 12, views);
+  for (const bool culling : {true, false}) {
+    ViewCasters casters{nullptr, bits, {}};
+    const auto placed =
+        place_views(views, items, runs, culling, 1 << 20, "local.draws", false, std::vector{standing, moves}, &casters);
+    ASSERT_TRUE(placed);
+    // The same where all else draws nothing.
+    auto moving = items;
+    for (shared::Item& item : moving)
+      if (item.object_id != 7 && item.object_id != 35) item.bounds_centre = glm::vec3(1e4f), item.bounds_extent = {};
+    const auto alone = place_views(views, moving, runs, true, 1 << 20, "local.draws", false,
+                                   std::vector{moves, ItemCluster{1, 4, 34, glm::dvec3(1e4), {}}});
+    ASSERT_EQ(casters.of_view.size(), 6u);
+    for (size_t region = 0; culling && region < 6 * 3; ++region)
+      EXPECT_EQ(casters.of_view[region / 3].moving_counts[region % 3],
+                alone->first_command[region + 1] - alone->first_command[region])
+          << region;
+    if (culling) continue;
+    for (const ViewCasters::OfView& v : casters.of_view) {
+      uint32_t count = 0;
+      for (const uint32_t of_run : v.moving_counts) count += of_run;
+      EXPECT_EQ(count, 8 + 7 + 4u);
+    }
   }
 }
 

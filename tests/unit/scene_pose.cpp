@@ -7,6 +7,7 @@
 
 #include "gltf_builder.h"
 #include "math/transforms.h"
+#include "scene/moving_nodes.h"
 
 namespace candela {
 namespace {
@@ -339,4 +340,30 @@ TEST(Pointers, ValuesOutsideTheirRangeAreClampedWithAWarning) {
 }
 
 }  // namespace
+TEST(MovingNodes, AreThoseThatPlayWithWhatHangsOnThem) {
+  Scene scene;
+  scene.nodes.resize(8);
+  scene.order = {0, 1, 2, 3, 4, 5, 6, 7};
+  scene.nodes[1].parent = 0, scene.nodes[2].parent = 1;
+  scene.nodes[6].skin = 0, scene.nodes[7].skin = 1;
+  scene.skins = {{.name = {}, .joints = {4, 2}, .inverse_bind = {}}, {.name = {}, .joints = {4}, .inverse_bind = {}}};
+  const auto moves = [](TargetPath path, int object) {
+    return channel(path, Interpolation::linear, 3, {}, {}, object);
+  };
+  scene.animations = {{.name = {}, .channels = {moves(TargetPath::node_rotation, 1)}},
+                      {.name = {}, .channels = {moves(TargetPath::node_weights, 3), moves(TargetPath::light_color, 5)}},
+                      {.name = {}, .channels = {moves(TargetPath::node_visible, 5)}}};
+  const auto moving = [&](std::vector<int> animations) {
+    std::vector<int> nodes;
+    const std::vector<bool> all = moving_nodes(scene, {std::move(animations)});
+    for (int n = 0; n < int(all.size()); ++n)
+      if (all[size_t(n)]) nodes.push_back(n);
+    return nodes;
+  };
+  EXPECT_EQ(moving({}), std::vector<int>{});
+  EXPECT_EQ(moving({0}), (std::vector<int>{1, 2, 6}));
+  EXPECT_EQ(moving({1}), std::vector<int>{3});
+  EXPECT_EQ(moving({0, 2}), (std::vector<int>{1, 2, 5, 6}));
+}
+
 }  // namespace candela

@@ -31,6 +31,10 @@ Cull::Out Cull::declare(GraphBuilder& builder, const In& in) const {
     for (const BufferHandle b : {in.views.table, in.views.regions}) builder.read(b, Access::compute_read, "the views");
     builder.read_optional(in.scene.materials, Access::compute_read);  // what glows casts no shadow of a lamp
     pipeline.constants = {{0, "HAS_VIEW_TABLE", 1}};
+    if (in.views.moving) {
+      builder.read(in.views.moving, Access::compute_read, "what moves");
+      pipeline.constants.push_back({1, "TELLS_MOVING", 1});
+    }
   }
   const uint64_t groups = uint64_t(in.scene.cull_group_count) * std::max(in.views.count, in.views.room);
   Out out;
@@ -52,6 +56,7 @@ void Cull::record(CommandList& commands, const In& in, const Out& out) const {
   if (!in.views.is_camera()) {
     push.views = commands.address(in.views.table) + in.views.first * sizeof(shared::View);
     push.regions = commands.address(in.views.regions);
+    if (in.views.moving) push.moving = commands.address(in.views.moving);
   }
   push.group_count = in.scene.cull_group_count;
   push.run_count = uint32_t(in.scene.draw_batches->size());

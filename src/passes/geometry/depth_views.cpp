@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <map>
 
 #include "shared/draw.h"
 
@@ -14,47 +15,68 @@ constexpr uint32_t round_texels = 1 << 20, most_round_layers = 256;
 void declare_rounds(GraphBuilder& builder, const ViewImage& image, DepthViews::Out& out) {
   builder.begin_step();
   out.cleared = out.depth = builder.write(out.depth, Access::transfer_destination);
+  std::map<uint32_t, ImageHandle> layers_of;  // by size
   for (uint32_t first = 0, end = 0; first < image.views.size(); first = end) {
-    const uint32_t size = image.views[first].size_px.x;
-    while (end < image.views.size() && image.views[end].size_px.x == size) ++end;
+    const bool over = first >= image.first_over();
+    const uint32_t size = image.views[first].size_px.x, last = uint32_t(over ? image.views.size() : image.first_over());
+    while (end < last && image.views[end].size_px.x == size) ++end;
     ImageDesc desc{fmt::format("{}.{}", image.name, size), depth_format, size, size};
     desc.kind = ImageKind::d2_array;
     desc.layers = std::clamp(round_texels / (size * size), 1u, most_round_layers);
     desc.covered = true;
-    ImageHandle layers = builder.create(desc);
+    ImageHandle& layers = layers_of[size];
+    if (!layers) layers = builder.create(desc);
     // In powers of two: views that come and go do not change the plan.
     const uint32_t rounds = std::bit_ceil((end - first + desc.layers - 1) / desc.layers);
     for (uint32_t r = 0; r < rounds; ++r) {
-      const uint32_t begin = std::min(first + r * desc.layers, end);
+      DepthViews::Round round;
+      round.first = std::min(first + r * desc.layers, end);
+      round.count = std::min(round.first + desc.layers, end) - round.first;
+      round.size_px = size;
+      if (over) {
+        builder.begin_step();
+        builder.read(out.depth, Access::transfer_source, "what stands");
+        round.under = out.depth;
+        round.loaded = layers = builder.write(layers, Access::transfer_destination);
+        out.steps.push_back({uint32_t(out.rounds.size()), DepthViews::RoundStep::load});
+      }
       builder.begin_step();
-      layers = builder.write(layers, Access::depth_attachment);
+      round.layers = layers = builder.write(layers, Access::depth_attachment);
+      out.steps.push_back({uint32_t(out.rounds.size()), DepthViews::RoundStep::draw});
       builder.begin_step();
       builder.read(layers, Access::transfer_source, "the views' depths");
-      out.depth = builder.write(out.depth, Access::transfer_destination);
-      out.rounds.push_back({begin, std::min(begin + desc.layers, end) - begin, size, layers, out.depth});
+      round.depth = out.depth = builder.write(out.depth, Access::transfer_destination);
+      out.steps.push_back({uint32_t(out.rounds.size()), DepthViews::RoundStep::store});
+      out.rounds.push_back(round);
     }
   }
 }
 
-// After the first step odd ones draw and even ones copy.
 void record_round(CommandList& commands, const DepthViews::In& in, const DepthViews::Out& out) {
   const ViewImage& image = *in.image;
   if (commands.step() == 0) {
     if (!image.outlives) commands.clear_image(out.cleared, glm::vec4(0));
     return;
   }
-  const DepthViews::Round& round = out.rounds[(commands.step() - 1) / 2];
+  const auto [number, what] = out.steps[commands.step() - 1];
+  const DepthViews::Round& round = out.rounds[number];
   const auto first = std::ranges::lower_bound(image.drawn, round.first);
   const auto end = std::ranges::lower_bound(image.drawn, round.first + round.count);
   if (first == end) return;
-  if (commands.step() % 2 == 0) {
-    for (auto v = first; v != end; ++v)
-      commands.copy_tile(round.layers, {{0, 0}, *v - round.first}, round.depth,
-                         {image.views[*v].tile_px, image.views[*v].tile_layer}, round.size_px);
+  if (what != DepthViews::RoundStep::draw) {
+    for (auto v = first; v != end; ++v) {
+      const shared::View& view = image.views[*v];
+      const CommandList::Tile layer{{0, 0}, *v - round.first};
+      if (what == DepthViews::RoundStep::load)
+        commands.copy_tile(round.under, {view.under_px, view.under_layer}, round.loaded, layer, round.size_px);
+      else
+        commands.copy_tile(round.layers, layer, round.depth, {view.tile_px, view.tile_layer}, round.size_px);
+    }
     return;
   }
   commands.begin_rendering({}, round.layers);
-  for (auto v = first; v != end; ++v) commands.clear_depth_layer(*v - round.first, image.views[*v].least_depth);
+  for (auto v = first; v != end && !round.loaded; ++v)
+    commands.clear_depth_layer(*v - round.first, image.views[*v].least_depth);
   for (auto v = first; v != end; ++v) {
     const shared::View& view = image.views[*v];
     shared::DepthLampPush push{};

@@ -20,16 +20,19 @@ struct DepthViews {
     std::shared_ptr<const ViewImage> image;
   };
   // Of views that are drawn apart: those of a size, as many at once as there are layers to draw them into, from where
-  // they are copied to their tiles.
+  // they are copied to their tiles. Those that are drawn over others begin as copies of these (`under`).
   struct Round {
-    uint32_t first, count, size_px;  // of the image's views
+    uint32_t first = 0, count = 0, size_px = 0;  // of the image's views
     ImageHandle layers, depth;
+    ImageHandle under, loaded;  // empty: they begin with nothing
   };
+  enum class RoundStep { load, draw, store };
   struct Out {
     ImageHandle depth;
     BatchPipelines pipelines;
     std::vector<Round> rounds;
-    ImageHandle cleared;  // of views that are drawn apart: what is between their tiles
+    std::vector<std::pair<uint32_t, RoundStep>> steps;  // after the first one: of which round, and what
+    ImageHandle cleared;                                // of views that are drawn apart: what is between their tiles
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

@@ -131,7 +131,8 @@ Need RasterizeViews::needed(const SceneFacts& facts, const FrameRequest& request
 RasterizeViews::Out RasterizeViews::declare(GraphBuilder& builder, const In& in) const {
   builder.read(in.views.table, Access::compute_read, "the views");
   const ViewImage& image = *in.image;
-  BufferDesc texels{"rasterize_views.texels", uint64_t(image.layers) * image.size_px * image.size_px * 4};
+  const uint64_t layers = std::max(image.layers, image.texel_layers);
+  BufferDesc texels{"rasterize_views.texels", layers * image.size_px * image.size_px * 4};
   texels.zeroed = true;
   Out out;
   out.texels = builder.create(texels);
@@ -153,22 +154,30 @@ RasterizeViews::Out RasterizeViews::declare(GraphBuilder& builder, const In& in)
     out.store = builder.pipeline(ComputePipelineDesc{image.apart ? "view_tiles.comp" : "view_texels.comp", {}});
   out.depth =
       builder.write(out.depth, in.floats ? Access::storage_image_write : Access::transfer_destination, {}, view);
+  if (image.over > 0) {
+    out.store_over = builder.pipeline(ComputePipelineDesc{"view_tiles.comp", {{1, "OVER", 1}}});
+    builder.begin_step();
+    builder.read(out.texels, Access::compute_read, "the depths of what moves");
+    out.depth = builder.write(out.depth, Access::storage_image_read_write, {}, view);
+  }
   return out;
 }
 
 namespace {
-// Views that are equally large follow one another.
-void store_tiles(CommandList& commands, const RasterizeViews::In& in, const RasterizeViews::Out& out) {
+// Views that are equally large follow one another. over: those that are drawn over others, or these.
+void store_tiles(CommandList& commands, const RasterizeViews::In& in, const RasterizeViews::Out& out, bool over) {
   const ViewImage& image = *in.image;
+  const uint32_t split = uint32_t(std::ranges::lower_bound(image.drawn, image.first_over()) - image.drawn.begin());
+  const uint32_t last = over ? uint32_t(image.drawn.size()) : split;
   const auto size_of = [&](uint32_t drawn) { return image.views[image.drawn[drawn]].size_px.x; };
   shared::ViewTilesPush push{};
   push.texels = commands.address(out.texels);
   push.views = commands.address(in.views.table) + in.views.first * sizeof(shared::View);
   push.image_px = image.size_px;
   push.image = commands.storage(out.depth);
-  commands.bind(out.store);
-  for (uint32_t first = 0, end = 0; first < image.drawn.size(); first = end) {
-    while (end < image.drawn.size() && size_of(end) == size_of(first)) ++end;
+  commands.bind(over ? out.store_over : out.store);
+  for (uint32_t first = over ? split : 0, end = first; first < last; first = end) {
+    while (end < last && size_of(end) == size_of(first)) ++end;
     push.first_view = first, push.size_px = size_of(first);
     commands.push(push);
     commands.dispatch(push.size_px / 4, push.size_px, end - first);
@@ -187,7 +196,7 @@ void RasterizeViews::record(CommandList& commands, const In& in, const Out& out)
     commands.push(push);
     return commands.dispatch(push.size_px / 4, push.size_px, in.image->layers);
   }
-  if (commands.step() == 4) return store_tiles(commands, in, out);
+  if (commands.step() >= 4) return store_tiles(commands, in, out, commands.step() == 5);
   if (commands.step() == 3) {
     if (!in.floats) return commands.copy_to_image(out.texels, out.depth);
     commands.bind(out.store);

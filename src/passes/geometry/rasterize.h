@@ -64,9 +64,10 @@ struct RasterizeViews {
     ImageHandle depth;
     BufferHandle texels;
     RasterSteps steps;
-    PipelineHandle store;  // of floats
-    PipelineHandle clear;  // of views that are drawn apart
-    ImageHandle cleared;   // of views that are drawn apart: what is between their tiles
+    PipelineHandle store;       // of floats
+    PipelineHandle store_over;  // of views that are drawn over others
+    PipelineHandle clear;       // of views that are drawn apart
+    ImageHandle cleared;        // of views that are drawn apart: what is between their tiles
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

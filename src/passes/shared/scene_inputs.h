@@ -40,6 +40,7 @@ struct SceneInputs {
   LightGridShape light_grid;
   BufferHandle views, view_regions, suns;             // of shadow maps; empty without
   BufferHandle lamp_views, lamp_view_regions, lamps;  // the same of point and spot lights
+  BufferHandle moving;                                // nodes that move; empty unless lamps' maps tell these apart
   std::shared_ptr<const ViewImage> sun_image, lamp_image;
   std::shared_ptr<const std::vector<uint32_t>> view_first_command, lamp_first_command;
   std::string sun_absence, lamp_absence;                      // why there are none

@@ -22,6 +22,7 @@ struct ViewRange {
   // Of how many views, and of how many draw commands, the buffers are, where that is more.
   uint32_t room = 0;
   uint64_t commands = 0;
+  BufferHandle moving;  // CullPush::moving; empty: all views draw alike
   bool is_camera() const { return first_command == nullptr; }
 };
 
@@ -37,8 +38,13 @@ struct ViewImage {
   // frame, and is then another than that of this size (plan/lamp_pool.h).
   bool apart = false, outlives = false;
   std::vector<uint32_t> drawn;
-  uint32_t most_px = 0;   // a view's side, at most
-  uint64_t commands = 0;  // of all views, for which there is room
+  // Of the views the last ones: they draw what moves over a copy of what stands, which is another view's, in the image
+  // by then. So a frame in which little moves draws little.
+  uint32_t over = 0;
+  uint32_t first_over() const { return uint32_t(views.size()) - over; }
+  uint32_t texel_layers = 0;  // of the places that views are drawn in, where all of them are in one buffer
+  uint32_t most_px = 0;       // a view's side, at most
+  uint64_t commands = 0;      // of all views, for which there is room
 };
 
 inline ImageDesc image_desc(const ViewImage& image, VkFormat format) {

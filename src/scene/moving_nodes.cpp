@@ -1,0 +1,25 @@
+#include "scene/moving_nodes.h"
+
+#include <algorithm>
+
+namespace candela {
+
+std::vector<bool> moving_nodes(const Scene& scene, const AnimationChoice& choice) {
+  std::vector<bool> moving(scene.nodes.size());
+  for (const int a : choice.animations)
+    for (const AnimationChannel& channel : scene.animations[size_t(a)].channels)
+      if (channel.path <= TargetPath::node_visible && channel.object >= 0) moving[size_t(channel.object)] = true;
+  // `order` has parents first.
+  for (const int n : scene.order) {
+    const int parent = scene.nodes[size_t(n)].parent;
+    if (parent >= 0 && moving[size_t(parent)]) moving[size_t(n)] = true;
+  }
+  const std::vector<bool> placed = moving;
+  for (const int n : scene.order)
+    if (const int skin = scene.nodes[size_t(n)].skin; skin >= 0)
+      if (std::ranges::any_of(scene.skins[size_t(skin)].joints, [&](int joint) { return placed[size_t(joint)]; }))
+        moving[size_t(n)] = true;
+  return moving;
+}
+
+}  // namespace candela

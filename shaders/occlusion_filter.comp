@@ -12,9 +12,6 @@ layout(push_constant, scalar) uniform Push { OcclusionFilterPush pc; };
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(constant_id = 0) const int SHAPE = 257;
 
-// How fast a texel counts less whose normal turns away: half at 20 degrees.
-const float TURN = 16.6;
-
 void main() {
   const ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(uvec2(texel), pc.texels))) return;
@@ -34,7 +31,7 @@ void main() {
         const vec3 q = occlusion_point(other, o.y, SHAPE, pc.subsample_ndc);
         const vec3 facing = unpack_normal(texelFetch(pass_uint_images[pc.normals], other, 0).r);
         const float w = (abs(x) == 2 ? 0.5 : 1.0) * (abs(y) == 2 ? 0.5 : 1.0) * occlusion_likeness(q, p, n) *
-            exp2(TURN * (dot(n, facing) - 1.0));
+            exp2(OCCLUSION_TURN * (dot(n, facing) - 1.0));
         if (!(w > 0.0)) continue;
         open += w * unpack_open(o.x);
         bright += w * o.zw;

@@ -17,11 +17,42 @@ vec2 pixel_middle;
 
 // Squares of 4 by 4 texels share a sequence, a stretch of it each, so that the filter sees all directions evenly.
 const uint PATTERN_SIDE = 4u, PATTERN_TEXELS = 16u;
+// Of the texels that the filter can take the mean over, so many with a ray each are enough.
+const float ENOUGH = 0.35;
 // Places of a square by what the bits of a sequence's numbers halve first: neighbours are far apart in it.
 uint place_in_pattern(uvec2 texel) {
   const uvec2 p = texel % PATTERN_SIDE;
   const uint x = p.x, y = p.x ^ p.y;
   return (y & 1u) << 3 | (x & 1u) << 2 | (y & 2u) | (x & 2u) >> 1;
+}
+
+// Of the texels about one, as far as a round of the filter reaches, those that it takes for the same surface: by their
+// distance from the plane of the triangle, and by how far a surface through both has turned that bends evenly, as their
+// own normals are not known yet.
+float same_surface(ivec2 texel, vec3 p, vec3 n, int away) {
+  float same = 0.0;
+  for (int i = 0; i < 9; ++i) {
+    const ivec2 other = texel + away * (ivec2(i % 3, i / 3) - 1);
+    if (i == 4 || any(lessThan(other, ivec2(0))) || any(greaterThanEqual(other, ivec2(pc.texels)))) continue;
+    const float point = texel_point(other);
+    if (!(point > 0.0)) continue;
+    const vec3 q = occlusion_point(other, point, SHAPE, pc.subsample_ndc), to = q - p;
+    const float off = dot(n, to), turned2 = 4.0 * off * off / max(dot(to, to), 1e-30);
+    same += occlusion_likeness(q, p, n) * exp2(-0.5 * OCCLUSION_TURN * turned2);
+  }
+  return same / 8.0;
+}
+
+// More where the filter will find few texels to take the mean over: on what is narrow or bends, whose noise would be
+// seen to crawl as the camera moves.
+uint rays_of(ivec2 texel, vec3 p, vec3 n) {
+  if (pc.most == pc.count) return pc.count;
+  const float in_round = float(PATTERN_TEXELS) - 1.0;
+  float texels = 1.0 + in_round * same_surface(texel, p, n, 2), all = in_round + 1.0;
+  if (pc.rounds > 1u) texels *= 1.0 + in_round * same_surface(texel, p, n, 7), all *= in_round + 1.0;
+  // In powers of two, whose stretches of the sequence are even.
+  const uint times = 1u << uint(max(ceil(log2(ENOUGH * all / texels)), 0.0));
+  return min(times * pc.count, max(pc.most, pc.count));
 }
 
 void main() {
@@ -39,10 +70,11 @@ void main() {
     const bool found = find_origin(position, to_viewer);
     const uvec2 square = uvec2(texel) / PATTERN_SIDE;
     const uvec2 own = uvec2(rays_hash(uvec3(square, 2u * pc.seed)), rays_hash(uvec3(square, 2u * pc.seed + 1u)));
-    const uint first = (PATTERN_TEXELS * pc.subsample + place_in_pattern(uvec2(texel))) * pc.count;
-    open = sky_open(false, first, pc.count, own);
-    mirror = mirror_open(to_viewer);
     n = vec3(dot(rays_side, frame.camera_right), dot(rays_side, frame.camera_up), dot(rays_side, frame.camera_back));
+    const uint count = rays_of(texel, p, n);
+    const uint first = (PATTERN_TEXELS * pc.subsample + place_in_pattern(uvec2(texel))) * count;
+    open = sky_open(false, first, count, own);
+    mirror = mirror_open(to_viewer);
     if (!found) point = 0.0;
   }
   if (KEEPS_NORMALS != 0) imageStore(storage_uint_images[pc.normals], texel, uvec4(pack_normal(n)));

@@ -55,6 +55,8 @@ vec3 unpack_normal(uint bits) { return normal_at_place(unpackSnorm2x16(bits)); }
 // What a point of another surface counts for one at p with normal n: by its distance from the tangent plane, in parts
 // of the distance from the camera.
 const float OCCLUSION_PLANE_TOLERANCE = 0.01;
+// How fast a texel by rays counts less whose normal turns away: half at 20 degrees.
+const float OCCLUSION_TURN = 16.6;
 float occlusion_likeness(vec3 point, vec3 p, vec3 n) {
   const float off = dot(n, point - p) / (OCCLUSION_PLANE_TOLERANCE * max(-p.z, 1e-30));
   return exp2(-off * off);

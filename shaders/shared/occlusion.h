@@ -32,7 +32,8 @@ struct OcclusionRaysPush {
   uint depth, points, normals, open;
   uvec2 texels;
   vec2 subsample_ndc;
-  uint subsample, count;  // rays of a texel
+  uint subsample, count, most;  // rays of a texel, and where the filter finds few of its surface
+  uint rounds;                  // of the filter
   uint seed;
 };
 // A round of the filter of texels by rays: taps `stride` texels apart.

@@ -46,6 +46,16 @@ std::span<const Knob> OcclusionKnobs::table() {
        .description = "rays of a texel, or with method traced of a pixel; fewer leave noise",
        .sweep = {1, 4, 16, 64, 256},
        .required = by_rays},
+      {.name = "most_rays",
+       .member = &OcclusionKnobs::most_rays,
+       .lowest = 1,
+       .highest = 65536,
+       .levels = {1, 1, 4, 16},
+       .description =
+           "method rays: rays of a texel, at most, where the filter finds few texels of the same surface; fewer leave "
+           "noise on what is narrow, which crawls in films",
+       .sweep = {1, 2, 4, 8, 16},
+       .required = "occlusion.method=rays"},
       {.name = "filter",
        .member = &OcclusionKnobs::filter,
        .lowest = 0,
@@ -221,7 +231,10 @@ void AmbientOcclusion::record(CommandList& commands, const In& in, const Out& ou
       push.texels = size;
       push.subsample_ndc = in.scene.subsample_ndc;
       push.subsample = in.subsample;
-      push.count = (uint32_t(knobs.rays) + in.subsamples - 1) / in.subsamples;
+      const auto share = [&](int rays) { return (uint32_t(rays) + in.subsamples - 1) / in.subsamples; };
+      push.count = share(knobs.rays);
+      push.most = out.rounds.empty() ? push.count : share(std::max(knobs.rays, knobs.most_rays));
+      push.rounds = uint32_t(out.rounds.size());
       push.seed = in.seed;
       commands.push(push);
     } else {

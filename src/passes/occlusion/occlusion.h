@@ -14,7 +14,7 @@ struct OcclusionKnobs {
   enum : int { screen, at_surfaces, by_rays, automatic };
   int method = automatic;
   bool sends_rays() const { return method != screen; }
-  int rays = 1;
+  int rays = 1, most_rays = 4;
   int texel_px = 2;
   int slices = 3;
   int samples = 6;
@@ -41,7 +41,8 @@ struct OcclusionKnobs {
 // brought to the fragments where these are shaded (shaders/lib/occlusion.glsl).
 //
 // By rays (method rays) each texel's point sends a few through all there is, and rounds of a filter take the mean over
-// texels of the same surface. Where surfaces are shaded (method traced) each fragment sends its own.
+// texels of the same surface; where there are few of these, each sends more. Where surfaces are shaded (method traced)
+// each fragment sends its own.
 //
 // Leaves wrong on screen: what the depth buffer does not hold. Surfaces behind others and beyond the picture's edge
 // hide nothing (a border as wide as the radius is too bright, never dark), and what is seen is taken to be as thick as

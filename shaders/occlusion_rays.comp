@@ -51,7 +51,7 @@ uint rays_of(ivec2 texel, vec3 p, vec3 n) {
   float texels = 1.0 + in_round * same_surface(texel, p, n, 2), all = in_round + 1.0;
   if (pc.rounds > 1u) texels *= 1.0 + in_round * same_surface(texel, p, n, 7), all *= in_round + 1.0;
   // In powers of two, whose stretches of the sequence are even.
-  const uint times = 1u << uint(max(ceil(log2(ENOUGH * all / texels)), 0.0));
+  const uint times = 1u << uint(max(ceil(log2(ENOUGH * all / (texels * float(pc.count)))), 0.0));
   return min(times * pc.count, max(pc.most, pc.count));
 }
 

@@ -42,6 +42,7 @@ struct OcclusionFilterPush {
   uvec2 texels;
   vec2 subsample_ndc;
   int stride;
+  float sharpness;  // at which difference of fractions a texel counts half: the root of their variance over it
 };
 struct OcclusionDenoisePush {
   uint normals, open, smooth_open;

@@ -64,6 +64,44 @@ TEST_F(FrameOpen, AConvexBodyIsAsOpenAsItIs) {
   for (const float v : images_of(job)["occlusion"].values<float>()) EXPECT_GE(v, 0.99f);
 }
 
+// A ball that rests on a floor: rays that are filtered keep its contact. In a uniform sky it hides of a point at
+// distance r from where it touches (1 + r^2)^-1.5, the form factor of a sphere above a horizon.
+TEST_F(FrameOpen, AContactStaysDark) {
+  GltfBuilder b = empty_scene();
+  const int white = add_material(b, diffuse_material(1, 1, 1));
+  add_node(b, {{"mesh", add_square_mesh(b, 8, white)}});
+  add_node(b, {{"mesh", reference::test::add_sphere_mesh(b, 1, white, 48)}, {"translation", {0, 0, 1}}});
+  Job job = job_for(write(b), width, height, 1);
+  const glm::dvec3 eye(0, -7, 4);
+  look(job, eye, {0, 0, 0.5}, 40);
+  job.sky = write_sky("even", [](glm::dvec3) { return glm::dvec3(1); }).file;
+  job.layers = {"occlusion"};
+  const glm::dvec3 forward = glm::normalize(glm::dvec3(0, 0, 0.5) - eye), right(1, 0, 0),
+                   up = glm::cross(right, forward);
+  const double tan_half = std::tan(20 * std::numbers::pi / 180);
+  for (const auto& [quality, most] : {std::pair("normal", 0.185), {"high", 0.08}}) {
+    job.quality = quality;
+    const Images images = images_of(job);
+    const auto open = images["occlusion"].values<float>();
+    double squares = 0;
+    int count = 0;
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const double across = (2 * (x + 0.5) / width - 1) * tan_half * width / height,
+                     over = (1 - 2 * (y + 0.5) / height) * tan_half;
+        const glm::dvec3 d = glm::normalize(forward + across * right + over * up), to = eye - glm::dvec3(0, 0, 1);
+        if (!(d.z < 0) || glm::dot(to, d) * glm::dot(to, d) - glm::dot(to, to) + 1.05 > 0) continue;  // sky and ball
+        const glm::dvec3 at = eye - eye.z / d.z * d;
+        const double r2 = at.x * at.x + at.y * at.y;
+        if (r2 > 4) continue;
+        squares += std::pow(double(open[size_t(y * width + x)]) - (1 - std::pow(1 + r2, -1.5)), 2);
+        ++count;
+      }
+    ASSERT_GT(count, 30);
+    EXPECT_LT(std::sqrt(squares / count), most) << quality;
+  }
+}
+
 // Through a front wall of one side light comes in as the camera sees in, in all techniques and both renderers; a wall
 // of two sides is a wall.
 TEST_F(FrameOpen, LightPassesSingleSidedFacesFromBehind) {

@@ -20,6 +20,12 @@ uint32_t slices_of(const AmbientOcclusion& pass, const AmbientOcclusion::In& in)
   return std::max((slices + in.subsamples - 1) / in.subsamples, std::min(slices, least_slices));
 }
 
+// Of a texel: a subsample has its share.
+uint32_t share_of(int rays, const AmbientOcclusion::In& in) {
+  return (uint32_t(rays) + in.subsamples - 1) / in.subsamples;
+}
+uint32_t rays_of(const AmbientOcclusion& pass, const AmbientOcclusion::In& in) { return share_of(pass.knobs.rays, in); }
+
 }  // namespace
 
 std::span<const Knob> OcclusionKnobs::table() {
@@ -42,7 +48,7 @@ std::span<const Knob> OcclusionKnobs::table() {
        .member = &OcclusionKnobs::rays,
        .lowest = 1,
        .highest = 65536,
-       .levels = {1, 1, 1, 256},
+       .levels = {1, 1, 4, 256},
        .description = "rays of a texel, or with method traced of a pixel; fewer leave noise",
        .sweep = {1, 4, 16, 64, 256},
        .required = by_rays},
@@ -50,7 +56,7 @@ std::span<const Knob> OcclusionKnobs::table() {
        .member = &OcclusionKnobs::most_rays,
        .lowest = 1,
        .highest = 65536,
-       .levels = {1, 1, 4, 16},
+       .levels = {1, 1, 8, 16},
        .description =
            "method rays: rays of a texel, at most, where the filter finds few texels of the same surface; fewer leave "
            "noise on what is narrow, which crawls in films",
@@ -231,9 +237,8 @@ void AmbientOcclusion::record(CommandList& commands, const In& in, const Out& ou
       push.texels = size;
       push.subsample_ndc = in.scene.subsample_ndc;
       push.subsample = in.subsample;
-      const auto share = [&](int rays) { return (uint32_t(rays) + in.subsamples - 1) / in.subsamples; };
-      push.count = share(knobs.rays);
-      push.most = out.rounds.empty() ? push.count : share(std::max(knobs.rays, knobs.most_rays));
+      push.count = rays_of(*this, in);
+      push.most = out.rounds.empty() ? push.count : share_of(std::max(knobs.rays, knobs.most_rays), in);
       push.rounds = uint32_t(out.rounds.size());
       push.seed = in.seed;
       commands.push(push);
@@ -270,6 +275,9 @@ void AmbientOcclusion::record(CommandList& commands, const In& in, const Out& ou
     push.texels = size;
     push.subsample_ndc = in.scene.subsample_ndc;
     push.stride = 1 << 2 * round;
+    const uint32_t rays = rays_of(*this, in);
+    // Single rays say nothing of likeness. The variance of stratified means falls with the square of the rays.
+    push.sharpness = round == 0 ? 0 : 2 * float(rays * rays);
     commands.push(push);
   } else {
     shared::OcclusionDenoisePush push{};

@@ -14,7 +14,7 @@ struct OcclusionKnobs {
   enum : int { screen, at_surfaces, by_rays, automatic };
   int method = automatic;
   bool sends_rays() const { return method != screen; }
-  int rays = 1, most_rays = 4;
+  int rays = 1, most_rays = 8;
   int texel_px = 2;
   int slices = 3;
   int samples = 6;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "base/rng.h"
@@ -162,37 +163,66 @@ void add_change(const LightItem& before, const LightItem* after, const Point& p,
 
 double largest(glm::dvec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
-// The widest spacing of stand-ins that leaves at most `most` wrong at every point, with at most most_stand_ins a point;
-// without any such, what leaves least. False: they make nothing better than `out` is.
-bool choose_stand_ins(const std::vector<LightItem>& lights, const std::vector<Point>& points, double most,
-                      double least_lux, double most_stand_ins, LightEnd& out) {
+// How many of the lights from number `first` on reach a point, in the mean over a few.
+double mean_reached(const std::vector<LightItem>& lights, size_t first, const std::vector<Point>& points) {
+  constexpr size_t few = 24;
+  const size_t stride = std::max<size_t>(points.size() / few, 1);
+  double sum = 0, count = 0;
+  for (size_t i = 0; i < points.size(); i += stride, ++count)
+    for (size_t l = first; l < lights.size(); ++l)
+      sum += glm::distance(glm::dvec3(lights[l].position), points[i].position) < double(lights[l].range_m);
+  return sum / count;
+}
+
+// For each number of layers the widest spacing of stand-ins that leaves at most `most` wrong at every point, with at
+// most most_stand_ins a point; or else the closest that fits. What leaves least takes its place in `out`, if it is
+// better.
+void choose_stand_ins(const std::vector<LightItem>& lights, const std::vector<Point>& points, double most,
+                      double least_lux, double most_stand_ins, float floor_lux, LightEnd& out) {
   constexpr double spacings[] = {1, 0.7, 0.5, 0.35, 0.25, 0.18};
-  std::vector<std::array<Changed, 2>> ended(points.size());  // by the lights' own ends, the same for all spacings
-  bool better = false;
-  for (const double spacing : spacings) {
-    std::vector<LightItem> with = lights;
-    apply_light_end(with, {.floor_lux = out.floor_lux, .spacing = spacing});
-    if (with.size() == lights.size()) return false;
-    std::vector<double> wrong(points.size()), count(points.size());
-    tbb::parallel_for(size_t(0), points.size(), [&](size_t i) {
-      if (spacing == spacings[0])
-        for (size_t l = 0; l < lights.size(); ++l) add_change(lights[l], &with[l], points[i], ended[i].data());
-      std::array<Changed, 2> sides = ended[i];
-      for (size_t l = lights.size(); l < with.size(); ++l) {
-        add_change(with[l], nullptr, points[i], sides.data());
-        count[i] += glm::distance(glm::dvec3(with[l].position), points[i].position) < double(with[l].range_m);
+  std::vector<std::array<Changed, 2>> ended;  // by the lights' own ends, the same for all of these
+  for (const int layers : {1, 4, 8}) {
+    std::optional<std::vector<LightItem>> made[std::size(spacings)];
+    const auto with = [&](size_t s) -> const std::vector<LightItem>& {
+      if (!made[s]) {
+        made[s] = lights;
+        apply_light_end(*made[s], {.floor_lux = floor_lux, .spacing = spacings[s], .layers = layers});
       }
-      for (const Changed& side : sides)
-        wrong[i] = std::max(wrong[i], largest(side.lost) / std::max(largest(side.all), least_lux));
-    });
-    double mean_count = 0;
-    for (const double c : count) mean_count += c / double(count.size());
-    if (mean_count > most_stand_ins) break;
-    const double worst = *std::ranges::max_element(wrong);
-    if (worst < out.lost) out.lost = worst, out.spacing = spacing, better = true;
-    if (worst <= most) break;
+      return *made[s];
+    };
+    const auto fits = [&](size_t s) { return mean_reached(with(s), lights.size(), points) <= most_stand_ins; };
+    size_t low = 0, high = std::size(spacings);  // `low` are known to fit, from `high` on none does
+    while (low < high) {
+      const size_t middle = (low + high) / 2;
+      if (fits(middle))
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    if (low == 0) continue;
+    if (with(0).size() == lights.size()) return;
+    if (ended.empty()) {
+      ended.resize(points.size());
+      tbb::parallel_for(size_t(0), points.size(), [&](size_t i) {
+        for (size_t l = 0; l < lights.size(); ++l) add_change(lights[l], &with(0)[l], points[i], ended[i].data());
+      });
+    }
+    for (size_t s = low; s-- > 0;) {
+      const std::vector<LightItem>& lit = with(s);
+      std::vector<double> wrong(points.size());
+      tbb::parallel_for(size_t(0), points.size(), [&](size_t i) {
+        std::array<Changed, 2> sides = ended[i];
+        for (size_t l = lights.size(); l < lit.size(); ++l) add_change(lit[l], nullptr, points[i], sides.data());
+        for (const Changed& side : sides)
+          wrong[i] = std::max(wrong[i], largest(side.lost) / std::max(largest(side.all), least_lux));
+      });
+      const double worst = *std::ranges::max_element(wrong);
+      if (worst > most && s + 1 < low) break;  // the last one is the widest that holds
+      if (worst < out.lost || worst <= most) out = {floor_lux, worst, out.held, spacings[s], layers};
+      if (worst > most) break;
+    }
+    if (out.lost <= most) return;
   }
-  return better;
 }
 
 }  // namespace
@@ -229,17 +259,31 @@ LightEnd choose_light_end(const Scene& scene, const FrameData& data, double most
   int chosen = bins - 1;
   while (chosen > 0 && all.lost[size_t(chosen)] > care * most_lost) --chosen;
   const double most_lights = std::max(1.5 * all.lights[size_t(bin_of(usual_lux))], least_lights(most_lost));
-  int fitting = chosen;
-  while (fitting + 1 < bins && all.lights[size_t(fitting)] > most_lights) ++fitting;
-  LightEnd out{float(edge_of(fitting)), all.lost[size_t(fitting)], fitting != chosen};
+  const auto fitting = [&](double lights) {  // the bin whose lists are as long
+    int bin = chosen;
+    while (bin + 1 < bins && all.lights[size_t(bin)] > lights) ++bin;
+    return bin;
+  };
+  const int own = fitting(most_lights);
+  LightEnd out{float(edge_of(own)), all.lost[size_t(own)], own != chosen};
   out.held &= out.lost > most_lost;
-  if (out.held && choose_stand_ins(data.lights, points, care * most_lost, least_lux, 2 * most_lights, out))
-    out.held = out.lost > most_lost;
+  if (!out.held) return out;
+  // Three times the lists, shared between lights and stand-ins.
+  const double most_walked = 3 * most_lights;
+  for (const double share : {1.0, 0.5}) {
+    const int bin = fitting(share * most_lights);
+    if (out.lost > care * most_lost)
+      choose_stand_ins(data.lights, points, care * most_lost, least_lux, most_walked - all.lights[size_t(bin)],
+                       float(edge_of(bin)), out);
+  }
+  if (const int bin = fitting(most_walked); all.lost[size_t(bin)] < out.lost && out.lost > care * most_lost)
+    out = {float(edge_of(bin)), all.lost[size_t(bin)]};
+  out.held = out.lost > most_lost;
   return out;
 }
 
 size_t apply_light_end(std::vector<LightItem>& lights, const LightEnd& end) {
-  const size_t shared = end.spacing > 0 ? end_with_stand_ins(lights, end.floor_lux, end.spacing) : 0;
+  const size_t shared = end.spacing > 0 ? end_with_stand_ins(lights, end.floor_lux, end.spacing, end.layers) : 0;
   return shared + apply_light_floor(lights, end.floor_lux);
 }
 

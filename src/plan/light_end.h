@@ -10,6 +10,7 @@ struct LightEnd {
   double lost = 0;      // of the light at a point, at most, over the points that were looked at
   bool held = false;    // the lists would grow too long: `lost` is more than was asked for
   double spacing = 0;   // not 0: lights end with stand-ins (stand_ins.h), and `lost` is what those leave wrong
+  int layers = 1;       // of them
 };
 
 // The largest end at which no point loses more than the fraction `most_lost` of the larger of the light there and a
@@ -17,8 +18,8 @@ struct LightEnd {
 // lights_punctual): where it gives c, an end at E takes c min(1, (E/c)^2) of it. Points lie on what is drawn, by
 // the items' bounds, the same at every frame in which nothing moves; both of their sides count, shadows do not.
 // usual_lux: the end whose lists may grow by a half, or to 3.2 / most_lost lights a point; where that is not enough,
-// stand-ins give the rest, at most twice as many again. Sums over at most four million pairs of points and lights: of
-// more lights some stand for all.
+// three times as many, shared between the lights themselves and stand-ins that give the rest. Sums over at most four
+// million pairs of points and lights: of more lights some stand for all.
 LightEnd choose_light_end(const Scene& scene, const FrameData& data, double most_lost, double exposure_ev,
                           double usual_lux);
 // Gives lights without a range that end, and appends the stand-ins. Returns how many lights end.

@@ -14,18 +14,24 @@ struct Source {
 };
 double brightest(glm::dvec3 intensity) { return std::max({intensity.x, intensity.y, intensity.z}); }
 
-// The sources by a grid over all of them whose cells are about `wide_m` wide: none along an axis that is much shorter.
+// The sources by a grid over all of them whose cells are about `wide_m` wide: none along an axis that is much shorter,
+// but at least `layers` along the shortest.
 struct Grid {
   glm::dvec3 low{0}, step{1};
   glm::ivec3 cells{0};
-  bool is_one_cell() const { return cells.x <= 1 && cells.y <= 1 && cells.z <= 1; }
+  bool is_last = false;  // one cell wide
 };
-Grid grid_over(const std::vector<Source>& sources, double wide_m) {
+Grid grid_over(const std::vector<Source>& sources, double wide_m, int layers) {
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
   for (const Source& s : sources) low = glm::min(low, s.position), high = glm::max(high, s.position);
   Grid grid{.low = low};
+  const glm::dvec3 extent = high - low;
+  const int shortest = extent.x < std::min(extent.y, extent.z) ? 0 : extent.y < extent.z ? 1 : 2;
+  grid.is_last = true;
   for (int a = 0; a < 3; ++a) {
-    grid.cells[a] = int(std::min(std::round((high[a] - low[a]) / wide_m), 0x1p20));
+    grid.cells[a] = int(std::min(std::round(extent[a] / wide_m), 0x1p20));
+    grid.is_last &= grid.cells[a] <= 1;
+    if (a == shortest && layers > 1 && extent[a] > 0) grid.cells[a] = std::max(grid.cells[a], layers);
     if (grid.cells[a] == 0) continue;
     const double beyond = 0.0618 * (high[a] - low[a]);
     grid.low[a] -= beyond;
@@ -74,7 +80,7 @@ double window_of(const LightItem& light, double distance_m) {
   return window(light.range_m) - (light.inner_m > 0 ? window(light.inner_m) : 0.0);
 }
 
-size_t end_with_stand_ins(std::vector<LightItem>& lights, float floor_lux, double spacing) {
+size_t end_with_stand_ins(std::vector<LightItem>& lights, float floor_lux, double spacing, int layers) {
   const auto ends_at = [&](const LightItem& l) {  // 0: not of those
     const double strongest = brightest(glm::dvec3(l.intensity));
     const bool known = l.type == LightType::point && std::isinf(l.range_m) && strongest > 0 &&
@@ -99,10 +105,10 @@ size_t end_with_stand_ins(std::vector<LightItem>& lights, float floor_lux, doubl
     if (step >= 0) sources.insert(sources.end(), by_step[size_t(step)].begin(), by_step[size_t(step)].end());
     if (sources.empty()) continue;
     const double inner_m = std::ldexp(farthest_m, -step);
-    const Grid grid = grid_over(sources, spacing * inner_m);
+    const Grid grid = grid_over(sources, spacing * inner_m, layers);
     sources = joined(sources, grid);
     // The last need no end: they are so few.
-    const bool last = grid.is_one_cell();
+    const bool last = grid.is_last;
     for (const Source& s : sources) {
       LightItem light{};
       light.type = LightType::point;

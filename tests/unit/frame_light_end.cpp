@@ -56,6 +56,13 @@ double off_at(const std::vector<LightItem>& lights, const std::vector<LightItem>
   return std::abs(all - sum(ended)) / std::max(all, least_lux);
 }
 
+// The same of a point that only light from above reaches.
+double off_above(std::vector<LightItem> lights, std::vector<LightItem> ended, glm::dvec3 at, double least_lux) {
+  const auto is_below = [&](const LightItem& l) { return double(l.position.z) <= at.z; };
+  std::erase_if(lights, is_below), std::erase_if(ended, is_below);
+  return off_at(lights, ended, at, least_lux);
+}
+
 }  // namespace
 
 // At points that did not choose the end: of one lamp, of few and of many dim ones, of which stand-ins give the rest.
@@ -82,6 +89,48 @@ TEST(LightEnd, LosesNoMoreThanItIsAskedFor) {
       EXPECT_LE(worst, most) << lamps << " of " << candela;
       EXPECT_LE(worst, 1.3 * end.lost + 0.5 * most) << lamps << " of " << candela;
     }
+}
+
+// Table tops amid a flat crowd, which get their light at grazing angles from the lamps that hang higher, however far
+// off.
+TEST(LightEnd, HoldsOnSurfacesAmidACrowd) {
+  GltfBuilder b = empty_scene();
+  const int grey = add_material(b, diffuse_material(0.8, 0.8, 0.8));
+  add_node(b, {{"mesh", add_square_mesh(b, 10, grey)}});
+  const int table = add_square_mesh(b, 0.4f, grey);
+  Rng places(9);
+  for (int i = 0; i < 24; ++i)
+    add_node(b, {{"mesh", table}, {"translation", {places.uniform(-8, 8), places.uniform(-8, 8), 1.2}}});
+  auto scene = b.load(LoadFor::raster);
+  ASSERT_TRUE(scene);
+  FrameData data = make_frame_data(*scene, evaluate_pose(*scene, {}, 0), View{});
+  data.lights = floor_under(4096, 0.02).data.lights;
+  const LightEnd end = choose_light_end(*scene, data, 0.02, 0, 0.01);
+  EXPECT_GT(end.layers, 1);
+  std::vector<LightItem> ended = data.lights;
+  apply_light_end(ended, end);
+  Rng rng(5);
+  double worst = 0;
+  for (int i = 0; i < 500; ++i) {
+    const glm::dvec3 at{rng.uniform(-8, 8), rng.uniform(-8, 8), 1.2};
+    worst = std::max(worst, off_above(data.lights, ended, at, 0.01 * std::numbers::pi));
+  }
+  EXPECT_LE(end.lost, 0.03);
+  EXPECT_LE(worst, 0.04);
+}
+
+// Spots have no stand-ins; their lists may be as long as those of other lights and their stand-ins together.
+TEST(LightEnd, SpotsHaveLongerLists) {
+  Lit lit = floor_under(1000, 0.05);
+  for (LightItem& l : lit.data.lights) {
+    l.type = LightType::spot;
+    l.direction = {0, 0, -1};
+    l.inner_cone_rad = 0.5f, l.outer_cone_rad = 1.4f;
+  }
+  const LightEnd end = choose_light_end(lit.scene, lit.data, 0.05, 0, 0.01);
+  EXPECT_EQ(end.spacing, 0);
+  EXPECT_FALSE(end.held);
+  EXPECT_LE(end.lost, 0.05);
 }
 
 TEST(LightEnd, IsNoneWithoutLightsOrWithoutALoss) {

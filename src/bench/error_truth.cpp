@@ -72,6 +72,7 @@ void trace(Truth& truth, const ReferenceFrame& frame, const Job& job, uint64_t s
     if (auto saved = film.save(file, identity); !saved)
       log::warning("the reference is not kept: {}", saved.error().text());
   };
+  const double began_us = process_clock_us();
   if (kept < limits.spp)
     reference::refine(
         film, integrator, {.spp = limits.spp, .seconds = limits.seconds, .noise = std::sqrt(limits.noise)},
@@ -79,6 +80,7 @@ void trace(Truth& truth, const ReferenceFrame& frame, const Job& job, uint64_t s
         [&] {
           if (process_clock_us() - saved_us > save_every_us) save();
         });
+  if (film.samples() > kept) truth.sample_s = (process_clock_us() - began_us) * 1e-6 / double(film.samples() - kept);
   save();
   log::info("reference {}: {} samples a pixel ({} of them kept before), relative standard error {:.3g} %", truth.name,
             film.samples(), kept, film.relative_error() * 100);

@@ -28,7 +28,8 @@ struct Truth {
   FloatImage image;
   FloatImage divided;  // the same with the layers of error_parts.h, and depth
   uint64_t spp = 0;
-  std::string failed;  // why there is none
+  double sample_s = 0;  // wall time of one sample a pixel; 0: not known, for all were kept
+  std::string failed;   // why there is none
 };
 struct TruthLimits {
   uint64_t spp = 64;

@@ -51,6 +51,7 @@ class Tuner {
     refine();
     if (options_.picture) take_picture();
     if (std::string changed = settle(); !changed.empty()) report_.notes.push_back(std::move(changed));
+    if (std::string quicker = quicker_reference(report_); !quicker.empty()) report_.notes.push_back(std::move(quicker));
     report_.wall_s = elapsed();
     return std::move(report_);
   }
@@ -72,7 +73,7 @@ class Tuner {
     if (!truth.failed.empty())
       return fail(ErrorKind::input, options_.job.scene, "there is no reference to judge settings by: {}", truth.failed);
     truth_ = std::move(truth.image);
-    report_.reference_spp = truth.spp;
+    report_.reference_spp = truth.spp, report_.reference_ms = truth.sample_s * 1e3;
     auto small =
         traced(divided_size(base_, divisor), {.spp = 1024, .seconds = share_s / 3, .noise = 1e-5, .with_parts = false});
     small_truth_ = std::move(small.image);

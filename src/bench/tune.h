@@ -42,6 +42,7 @@ struct TuneReport {
   std::string device;
   std::string reference;  // that errors are against (error_truth.h)
   uint64_t reference_spp = 0;
+  double reference_ms = 0;         // wall time of one sample a pixel; 0: not known
   double noise = 0;                // relmse that its noise makes: smaller differences of errors say nothing
   std::vector<std::string> notes;  // what was not found out
   double wall_s = 0;
@@ -63,6 +64,9 @@ std::string settle_times(std::vector<TuneTrial>& trials, std::span<const double>
 
 // Trials that no other one beats in both time and error, the fastest first.
 std::vector<const TuneTrial*> tune_front(const TuneReport& report);
+// Of the front's quickest setting that the reference beats: what makes no larger error in less time, for its error is
+// noise, which falls with its samples. Empty where there is none, or the noise or the time is not known.
+std::string quicker_reference(const TuneReport& report);
 // The cheapest with at most each error; and the one with the least error within each time (by the upper end of its
 // interval), or a quicker one whose error cannot be told apart from that.
 std::vector<TuneChoice> cheapest_within(const TuneReport& report, std::span<const double> errors);

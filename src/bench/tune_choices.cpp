@@ -1,4 +1,7 @@
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 
 #include "bench/sampling.h"
 #include "bench/tune.h"
@@ -50,6 +53,20 @@ std::vector<const TuneTrial*> tune_front(const TuneReport& report) {
   for (const TuneTrial* t : order)
     if (front.empty() || t->relmse < front.back()->relmse) front.push_back(t);
   return front;
+}
+
+std::string quicker_reference(const TuneReport& report) {
+  if (!(report.reference_ms > 0) || !(report.noise > 0)) return "";
+  for (const TuneTrial* t : tune_front(report)) {
+    const double spp =
+        std::max(std::ceil(double(report.reference_spp) * report.noise / std::max(t->relmse, 1e-12)), 1.0);
+    if (spp * report.reference_ms < t->ms.low)
+      return fmt::format(
+          "the reference '{}' is the quicker truth from {:.3g} ms on: {} samples a pixel have no larger error than {} "
+          "and take {:.3g} ms (candela reference --spp {})",
+          report.reference, t->median_ms, spp, t->options, spp * report.reference_ms, spp);
+  }
+  return "";
 }
 
 std::vector<TuneChoice> cheapest_within(const TuneReport& report, std::span<const double> errors) {

@@ -49,7 +49,9 @@ void add_technique_options(CLI::App& command, JobOptions& o) {
 }
 
 void add_effect_options(CLI::App& command, JobOptions& o) {
-  command.add_option("--quality", o.quality, "Preset of all knobs: draft, normal, high or exact")
+  command
+      .add_option("--quality", o.quality,
+                  "Preset of all knobs: draft, normal, high or exact (on a CPU candela reference is the quicker truth)")
       ->capture_default_str()
       ->type_name("NAME");
   command

@@ -113,6 +113,10 @@ void add_notes(PlannedFrame& f, const KnobValues& knobs) {
   if (supersample.pictures() > 1 && knobs.get<Resolve::Knobs>().samples > 1)
     f.notes.push_back(fmt::format("supersampling ({} x {} a pixel) takes the place of multisampling",
                                   supersample.grid().x, supersample.grid().y));
+  if (supersample.pictures() >= 16 && f.rays)
+    f.notes.push_back(
+        "rays from every sample of every pixel, as at quality exact: candela reference --mode direct is the truth "
+        "itself, and on a CPU device the quicker of the two");
   if (const std::string note = probe_note(f); !note.empty()) f.notes.push_back(note);
   std::vector<std::string> missing = not_drawn(f.facts, f.pose);
   if (f.facts.sized_lights > 0 && f.facts.takes_light() && !f.traced.soft_lamps)

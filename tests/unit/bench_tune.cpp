@@ -33,5 +33,24 @@ TEST(Tune, TimesStayWhereNoClockChanged) {
   EXPECT_EQ(settle_times(trials, {}), "");
 }
 
+// A reference of 10 ms a sample, whose 64 samples are wrong by 1e-4: 0.0064 over its samples.
+TEST(Tune, SaysWhereTheReferenceIsTheQuickerTruth) {
+  const auto setting = [](const char* options, double ms, double relmse) {
+    TuneTrial t;
+    t.options = options, t.median_ms = ms, t.ms = {ms * 0.99, ms * 1.01}, t.relmse = relmse, t.gpu_ms = {ms};
+    return t;
+  };
+  TuneReport report;
+  report.reference = "direct", report.reference_spp = 64, report.reference_ms = 10, report.noise = 1e-4;
+  report.trials = {setting("--quality draft", 5, 0.1), setting("--quality normal", 20, 3e-3)};
+  EXPECT_EQ(quicker_reference(report), "");  // three samples in 30 ms
+  report.trials.push_back(setting("--quality exact", 500, 2e-4));
+  const std::string note = quicker_reference(report);
+  EXPECT_NE(note.find("32 samples a pixel"), std::string::npos) << note;
+  EXPECT_NE(note.find("--quality exact and take 320 ms"), std::string::npos) << note;
+  report.reference_ms = 0;
+  EXPECT_EQ(quicker_reference(report), "");
+}
+
 }  // namespace
 }  // namespace candela

@@ -39,7 +39,11 @@ void main() {
         const vec2 there = unpack_open(o.x);
         const float off = there.x - own;
         const float w = (abs(x) == 2 ? 0.5 : 1.0) * (abs(y) == 2 ? 0.5 : 1.0) * occlusion_likeness(q, p, n) *
+<<<<<<< HEAD
                         exp2(OCCLUSION_TURN * (dot(n, facing) - 1.0) - unlike * off * off);
+=======
+            exp2(TURN * (dot(n, facing) - 1.0) - unlike * off * off);
+>>>>>>> 6af55a46 (Quality exact: rays in the lobe's own directions occlude reflections of the sky, and the sky is as sharp as the samples)
         if (!(w > 0.0)) continue;
         open += w * there;
         bright += w * o.zw;
@@ -48,6 +52,6 @@ void main() {
   }
   const bool known = weights > 0.0;
   imageStore(storage_images[pc.smooth_open], texel,
-             vec4(known ? pack_open(open.x / weights, open.y / weights) : middle.x, middle.y,
-                  known ? bright / weights : middle.zw));
+      vec4(known ? pack_open(open.x / weights, open.y / weights) : middle.x, middle.y,
+          known ? bright / weights : middle.zw));
 }

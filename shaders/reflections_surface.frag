@@ -76,7 +76,8 @@ void main() {
       sky = ambient_lobes(s, brdf, s.normal).specular * (s.occlusion * frame.pre_exposure) * through;
 #endif
       if (HAS_OCCLUSION != 0)
-        open = reflected_open(occlusion_open(v.relative_position, plane_normal), base, to_viewer, plane_normal);
+        open = reflected_open(occlusion_open(v.relative_position, plane_normal, base, to_viewer), base, to_viewer,
+            plane_normal);
 #ifdef FOG
       sky *= fog_sky_through_surface(v.relative_position, s.normal);
 #endif

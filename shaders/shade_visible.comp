@@ -65,8 +65,9 @@ vec4 behind_all(vec2 place) {
 #ifdef SKY
   const vec2 px = 2.0 / vec2(frame.size_px);
   const vec3 direction = sky_direction(ndc);
-  const float step = max(length(sky_direction(ndc + vec2(px.x, 0.0)) - direction),
+  float step = max(length(sky_direction(ndc + vec2(px.x, 0.0)) - direction),
       length(sky_direction(ndc + vec2(0.0, px.y)) - direction));
+  if (IS_SUBSAMPLE != 0) step *= pc.subsample_footprint;
   const vec4 behind = vec4(sky_radiance(direction, step), 1.0);
 #else
   const vec4 behind = frame.background;

@@ -15,7 +15,8 @@ layout(location = 0) out vec4 out_radiance;
 
 void main() {
   const vec3 direction = sky_direction(in_ndc);
-  const float step = max(length(dFdx(direction)), length(dFdy(direction)));
+  float step = max(length(dFdx(direction)), length(dFdy(direction)));
+  if (IS_SUBSAMPLE != 0) step *= pc.subsample_footprint;
   const vec3 radiance = sky_radiance(direction, step);
 #ifdef FOG
   const FogSeen fog = fog_before_sky(IS_SUBSAMPLE != 0 ? in_ndc + pc.subsample_ndc : in_ndc);

@@ -105,7 +105,7 @@ void main() {
   if (HAS_AMBIENT != 0 && IS_UNLIT == 0) {
     shade_probes(s, brdf, v.relative_position);
     ambient = HAS_OCCLUSION != 0
-        ? occluded_lobes(s, brdf, occlusion_open(surface_point, plane_normal), plane_normal)
+        ? occluded_lobes(s, brdf, occlusion_open(surface_point, plane_normal, s, brdf.to_viewer), plane_normal)
         : ambient_lobes(s, brdf, s.normal);
   }
 #ifdef FOG

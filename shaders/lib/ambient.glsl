@@ -122,6 +122,7 @@ vec3 bent_about(vec3 normal, vec3 bent, vec3 plane_normal) {
   return dot(turned, turned) > 1e-6 ? normalize(turned) : normal;
 }
 float reflected_open(Openness o, Surface s, vec3 v, vec3 plane_normal) {
+  if (o.lobe >= 0.0) return o.lobe;
   // A smooth surface mirrors what lies in one direction, a rough one all that is open.
   float open = specular_open(o.fraction, dot(s.normal, v), s.roughness);
   if (o.mirror >= 0.0) open = mix(o.mirror, open, s.roughness);

@@ -65,3 +65,14 @@ float sky_brightness(vec3 d, float solid_angle) {
     sky = ambient_radiance(d);
   return clamp(dot(sky, vec3(0.2126, 0.7152, 0.0722)), 0.0, 1e30);
 }
+// The same with its bright spots, as sharp as a surface of a roughness tells.
+float sky_reflected(vec3 d, float solid_angle, float roughness) {
+  vec3 sky;
+  if (IBL_METHOD == ibl_sampled)
+    sky = sky_through(in_sky(d), solid_angle).all;
+  else if (IBL_METHOD != 0)
+    sky = filtered_sky(in_sky(d), 9.0 * min(roughness / 0.31, 1.0));
+  else
+    sky = ambient_radiance(d);
+  return clamp(dot(sky, vec3(0.2126, 0.7152, 0.0722)), 0.0, 1e30);
+}

@@ -88,7 +88,10 @@ AmbientLobes occluded_lobes(Surface s, BrdfTerms b, Openness o, vec3 plane_norma
   base.diffuse *= o.diffuse;
   base.specular *= reflected_open(o, with_round_facets(s), b.to_viewer, plane_normal);
   vec3 coat = coat_of_sky(s, b);
-  if (HAS_COAT) coat *= reflected_open(o, coat_surface(s), b.to_viewer, plane_normal);
+  if (HAS_COAT) {
+    o.lobe = -1.0;  // the base's
+    coat *= reflected_open(o, coat_surface(s), b.to_viewer, plane_normal);
+  }
   return layered_lobes(s, b, base, coat, o.fraction);
 }
 vec3 occluded_ambient_light(Surface s, BrdfTerms b, Openness o, vec3 plane_normal) {

@@ -47,7 +47,7 @@ Openness occlusion_open(vec3 relative, vec3 plane_normal) {
   if (weights > 1e-3) {
     const float fraction = sum == weights ? 1.0 : clamp(sum / weights, 0.0, 1.0);
     return Openness(fraction, by_rays ? open_diffuse(fraction, bright.x, bright.y) : fraction,
-        by_rays ? clamp(mirror / weights, 0.0, 1.0) : -1.0, bent_in_world(bent, plane_normal));
+        by_rays ? clamp(mirror / weights, 0.0, 1.0) : -1.0, -1.0, bent_in_world(bent, plane_normal));
   }
   float least = 3e38, open = by_rays ? pack_open(1.0, 1.0) : 1.0;
   for (int y = -1; y <= 2; ++y)
@@ -64,6 +64,14 @@ Openness occlusion_open(vec3 relative, vec3 plane_normal) {
       bright = tap.zw;
     }
   const vec2 both = by_rays ? unpack_open(open) : vec2(clamp(open, 0.0, 1.0), -1.0);
-  return Openness(both.x, by_rays ? open_diffuse(both.x, bright.x, bright.y) : both.x, both.y,
+  return Openness(both.x, by_rays ? open_diffuse(both.x, bright.x, bright.y) : both.x, both.y, -1.0,
       bent_in_world(bent, plane_normal));
+}
+// Traced, also of the light that the surface reflects.
+Openness occlusion_open(vec3 relative, vec3 plane_normal, Surface s, vec3 to_viewer) {
+  Openness o = occlusion_open(relative, plane_normal);
+  if (HAS_OCCLUSION < 0 && s.has_facets)
+    o.lobe = traced_lobe(s.normal, to_viewer, s.roughness,
+        dot(mix(s.dielectric_f0, s.base_color, s.metallic), vec3(0.2126, 0.7152, 0.0722)));
+  return o;
 }

@@ -6,6 +6,8 @@
 #include "lib/filtered_sky.glsl"
 #include "lib/openness.glsl"
 #include "lib/ray_sequence.glsl"
+#include "lib/visible_normal.glsl"
+#include "shared/split_sum.h"
 #include "shared/trace.h"
 #define TRACE_ADDRESS pc.trees
 #define TRACE_STACK RAY_STACK
@@ -102,7 +104,7 @@ SkyOpen sky_open(bool bends) {
 // Where the mean open direction is asked for, that tells where light comes from.
 Openness openness(SkyOpen o) {
   const float diffuse = OCCLUSION_IS_BENT ? o.fraction : open_diffuse(o.fraction, o.bright, o.bright_open);
-  return Openness(o.fraction, diffuse, -1.0, o.bent);
+  return Openness(o.fraction, diffuse, -1.0, -1.0, o.bent);
 }
 // Of the light from the mirror direction of a viewer in unit direction `to_viewer`, by the triangle's normal.
 float mirror_open(vec3 to_viewer) {
@@ -112,4 +114,41 @@ float mirror_open(vec3 to_viewer) {
   const float hidden = 1.0 - rays_through(TraceRay(leaving_origin(rays_from, d), 0.0, d, s.occlusion_radius_m), 0u,
       s.occlusion_radius_m, s.occlusion_fade_m);
   return 1.0 - s.occlusion_strength * hidden;
+}
+// Of the light that facets about `normal` reflect towards unit `to_viewer` of this sky, by rays in directions of the
+// facets that the viewer sees (Heitz 2018), as fractions of what they would bring. f0: of the facets, by luminance.
+float lobe_open(vec3 normal, vec3 to_viewer, float roughness, float f0) {
+  const RaySettings s = RaySettingsRef(pc.rays).s;
+  const uint count = rays_share(s.occlusion_rays), first = rays_first(count);
+  const uvec2 own = rays_own(3u);
+  const float alpha = max(roughness, least_roughness) * max(roughness, least_roughness), alpha2 = alpha * alpha;
+  const mat3 axes = axes_about(normal);
+  vec3 v = to_viewer * axes;
+  v = normalize(vec3(v.xy, max(v.z, 1e-4)));
+  const vec3 stretched = normalize(vec3(alpha * v.xy, v.z));
+  const float across2 = dot(stretched.xy, stretched.xy);
+  const vec3 t1 = across2 > 1e-12 ? vec3(-stretched.y, stretched.x, 0.0) * inversesqrt(across2) : vec3(1.0, 0.0, 0.0);
+  const vec3 t2 = cross(stretched, t1);
+  const float masked = sqrt(v.z * v.z * (1.0 - alpha2) + alpha2), g1 = 2.0 * v.z / (v.z + masked);
+  float all = 0.0, arriving = 0.0;
+  for (uint i = 0u; i < count; ++i) {
+    const vec2 u = rays_place(first + i, own);
+    const float phi = 2.0 * PI * u.y;
+    const vec3 h = visible_normal(stretched, t1, t2, vec2(alpha), sqrt(u.x) * vec2(cos(phi), sin(phi)));
+    const float v_h = dot(v, h);
+    const vec3 l = 2.0 * v_h * h - v;
+    if (l.z <= 0.0 || v_h <= 0.0) continue;
+    const vec3 d = axes * l;
+    const float x = clamp(1.0 - v_h, 0.0, 1.0), x2 = x * x, fresnel = f0 + (1.0 - f0) * (x2 * x2 * x);
+    const float shadowed = 2.0 * l.z * v.z / (l.z * masked + v.z * sqrt(l.z * l.z * (1.0 - alpha2) + alpha2)) / g1;
+    const float k = dot(h.xy, h.xy) + h.z * h.z * alpha2, pdf = g1 * alpha2 / (4.0 * PI * k * k * v.z);
+    const float light = fresnel * shadowed * sky_reflected(d, 1.0 / (float(count) * pdf), roughness);
+    all += light;
+    float hidden = 1.0;  // into the surface itself
+    if (dot(d, rays_side) > 0.0)
+      hidden -= rays_through(TraceRay(leaving_origin(rays_from, d), 0.0, d, s.occlusion_radius_m), 0u,
+          s.occlusion_radius_m, s.occlusion_fade_m);
+    arriving += light * (1.0 - s.occlusion_strength * hidden);
+  }
+  return all > 0.0 ? clamp(arriving / all, 0.0, 1.0) : 1.0;
 }

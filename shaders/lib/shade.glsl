@@ -21,7 +21,7 @@ vec3 radiance_without_lights(Surface s, BrdfTerms brdf, vec3 position, vec3 surf
   if (HAS_AMBIENT != 0) {
     shade_probes(s, brdf, position);
     vec3 ambient = HAS_OCCLUSION != 0
-        ? occluded_ambient_light(s, brdf, occlusion_open(surface_point, plane_normal), plane_normal)
+        ? occluded_ambient_light(s, brdf, occlusion_open(surface_point, plane_normal, s, brdf.to_viewer), plane_normal)
         : ambient_light(s, brdf);
 #ifdef FOG
     ambient *= fog_sky_through_surface(position, s.normal);

@@ -15,7 +15,8 @@ float traced_visibility(LightRef light, uint number) { return 1.0; }
 #ifdef LIGHT_EVAL
 vec3 traced_soft_light(LightRef light, uint number, BrdfTerms brdf, vec3 position) { return vec3(0.0); }
 #endif
-Openness traced_open() { return Openness(1.0, 1.0, -1.0, vec3(0.0)); }
+Openness traced_open() { return Openness(1.0, 1.0, -1.0, -1.0, vec3(0.0)); }
+float traced_lobe(vec3 normal, vec3 to_viewer, float roughness, float f0) { return 1.0; }
 #else
 #ifdef TRACES
 #include "lib/rays.glsl"
@@ -192,5 +193,9 @@ Openness traced_open() {
 #else
   return Openness(1.0, 1.0, -1.0, vec3(0.0));
 #endif
+}
+float traced_lobe(vec3 normal, vec3 to_viewer, float roughness, float f0) {
+  send_rays();
+  return lobe_open(normal, to_viewer, roughness, f0);
 }
 #endif

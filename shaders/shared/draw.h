@@ -52,6 +52,7 @@ struct SkyPush {
   vec2 subsample_ndc;  // by which this sample lies off the pixel's middle (passes/post/supersample.h)
   uint sun_maps, lamp_maps, fog_light;
   uint shadow_colors;  // as in DrawPush
+  float subsample_footprint;
 };
 struct SupersamplePush {
   uint source, before, target;

@@ -102,6 +102,62 @@ TEST_F(FrameOpen, AContactStaysDark) {
   }
 }
 
+// What a wall hides of the sky that rough metal reflects, by rays in the lobe's own directions, is the reference's.
+TEST_F(FrameOpen, TracedOcclusionHidesWhatTheLobeSees) {
+  GltfBuilder b = empty_scene();
+  const auto metal = [&](double roughness) {
+    Json m = diffuse_material(0.9, 0.9, 0.9);
+    m["pbrMetallicRoughness"]["metallicFactor"] = 1.0, m["pbrMetallicRoughness"]["roughnessFactor"] = roughness;
+    m["doubleSided"] = true;
+    return add_material(b, m);
+  };
+  const double h = std::sqrt(0.5);
+  add_node(b, {{"mesh", add_square_mesh(b, 2, metal(0.35))}});
+  add_node(b, {{"mesh", add_square_mesh(b, 2, metal(0.6))}, {"translation", {0, 1, 2}}, {"rotation", {h, 0, 0, h}}});
+  Job job = job_for(write(b), 32, 24, 1);
+  look(job, {1, -5, 2}, {0, 0, 0.5}, 40);
+  job.sky = write_sky("slope", [](glm::dvec3 d) { return glm::dvec3(1 + d.y, 1 + 0.5 * d.z, 1 - 0.5 * d.x); }).file;
+  job.settings = {{"occlusion", "method", "traced"}, {"occlusion", "rays", "256"}, {"ibl", "method", "sampled"}};
+  const auto frame = open_reference(job, 0, {});
+  ASSERT_TRUE(frame);
+  reference::TraceSettings settings;
+  settings.sampler = {reference::SamplerKind::sobol, 128};
+  reference::Film film(32, 24, {});
+  film.add(reference::Integrator(*(*frame)->world, settings, 32, 24), 128, [](double) { return true; });
+  std::vector<glm::vec4> truth;
+  for (size_t i = 0; i < film.pixels(); ++i) truth.emplace_back(film.mean(i));
+  for (const char* technique : {"clustered", "visibility"}) {
+    job.technique = technique;
+    EXPECT_LT(relmse(images_of(job)["beauty"].values<glm::vec4>(), truth), 0.03) << technique;
+  }
+}
+
+// The sky behind everything is read as finely as a supersampled frame's samples lie: stripes of 3.5 pixels keep their
+// contrast, of which a pixel's box leaves 0.87 and texels 0.95.
+TEST_F(FrameOpen, ASupersampledSkyIsSharp) {
+  GltfBuilder b = empty_scene();
+  add_node(
+      b, {{"mesh", add_square_mesh(b, 0.1f, add_material(b, diffuse_material(1, 1, 1)))}, {"translation", {0, 0, 5}}});
+  Job job = job_for(write(b), 24, 8, 1);
+  look(job, {0, 0, 0}, {0, 0, -1},
+       2 * std::atan(std::tan(33.75 * std::numbers::pi / 180) / 3) * 180 / std::numbers::pi);
+  job.sky = write_sky("stripes", [](glm::dvec3 d) {
+              return glm::dvec3(1 + std::cos(std::atan2(d.z, d.x) * sky_width / 8));
+            }).file;
+  job.effects = "none";
+  job.settings = {{"supersample", "n", "4"}};
+  for (const char* technique : {"clustered", "visibility"}) {
+    job.technique = technique;
+    const Images images = images_of(job);
+    float least = 9, most = 0;
+    for (int x = 6; x < 18; ++x) {
+      const float v = images["beauty"].at<glm::vec4>(x, 4).x;
+      least = std::min(least, v), most = std::max(most, v);
+    }
+    EXPECT_GT(most - least, 2 * 0.7f) << technique;
+  }
+}
+
 // Through a front wall of one side light comes in as the camera sees in, in all techniques and both renderers; a wall
 // of two sides is a wall.
 TEST_F(FrameOpen, LightPassesSingleSidedFacesFromBehind) {

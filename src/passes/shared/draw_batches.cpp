@@ -193,6 +193,7 @@ void push_lights(CommandList& commands, const SceneInputs& scene, const Lighting
 shared::SkyPush sky_push(CommandList& commands, const SceneInputs& scene, const Lighting& lists) {
   shared::SkyPush push{};
   push.subsample_ndc = scene.subsample_ndc;
+  push.subsample_footprint = scene.subsample_footprint;
   push_lights(commands, scene, nullptr, &lists, push);
   return push;
 }

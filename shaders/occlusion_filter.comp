@@ -39,11 +39,7 @@ void main() {
         const vec2 there = unpack_open(o.x);
         const float off = there.x - own;
         const float w = (abs(x) == 2 ? 0.5 : 1.0) * (abs(y) == 2 ? 0.5 : 1.0) * occlusion_likeness(q, p, n) *
-<<<<<<< HEAD
-                        exp2(OCCLUSION_TURN * (dot(n, facing) - 1.0) - unlike * off * off);
-=======
-            exp2(TURN * (dot(n, facing) - 1.0) - unlike * off * off);
->>>>>>> 6af55a46 (Quality exact: rays in the lobe's own directions occlude reflections of the sky, and the sky is as sharp as the samples)
+            exp2(OCCLUSION_TURN * (dot(n, facing) - 1.0) - unlike * off * off);
         if (!(w > 0.0)) continue;
         open += w * there;
         bright += w * o.zw;

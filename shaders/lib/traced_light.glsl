@@ -191,7 +191,7 @@ Openness traced_open() {
   send_rays();
   return openness(sky_open(OCCLUSION_IS_BENT));
 #else
-  return Openness(1.0, 1.0, -1.0, vec3(0.0));
+  return Openness(1.0, 1.0, -1.0, -1.0, vec3(0.0));
 #endif
 }
 float traced_lobe(vec3 normal, vec3 to_viewer, float roughness, float f0) {

@@ -1,8 +1,9 @@
 #pragma once
 // What a G-buffer keeps of a shaded point, in texels of four 32-bit words, and how it comes back. Needs
 // lib/surface.glsl, lib/view_ray.glsl. GBUFFER: texels of a sample. Formats (passes/surfaces/gbuffer.h):
-//   floats (no PACKED): every value as it is, bit for bit; GBUFFER is 7 where shadows or occlusion ask for the
-//   triangle's plane, else 5.
+//   floats (no PACKED): every value as it is, bit for bit; GBUFFER is 8 where smooth surfaces mirror a sky, by what a
+//   pixel shows of it (lib/surface.glsl, find_mirror), else 7 where shadows or occlusion ask for the triangle's plane,
+//   else 5.
 //   PACKED_SPECULAR, PACKED_BITS128: 16 bytes; PACKED_POSITION, PACKED_FIELDS: 32 bytes.
 // Lobes, where LOBED, are gbuffer_lobe_texels more, floats in every format. A texel of zeros: nothing is seen here.
 
@@ -26,7 +27,7 @@ const int gbuffer_lobe_texels = 6;
 #else
 const int gbuffer_lobe_texels = 5;
 #endif
-const uint point_is_seen = 1u, point_is_unlit = 2u, point_has_facets = 4u;
+const uint point_is_seen = 1u, point_is_unlit = 2u, point_has_facets = 4u, point_mirrors = 8u;
 
 uint flags_of(SurfacePoint p) {
   return point_is_seen | (p.is_unlit ? point_is_unlit : 0u) | (p.surface.has_facets ? point_has_facets : 0u);
@@ -118,18 +119,27 @@ vec3 position_of(GBufferTexels g) { return uintBitsToFloat(g.texel[0].xyz); }
 GBufferTexels gbuffer_of(SurfacePoint p) {
   const Surface s = p.surface;
   GBufferTexels g;
-  g.texel[0] = uvec4(floatBitsToUint(p.position), flags_of(p));
+  uint flags = flags_of(p);
+#if GBUFFER == 8
+  if (mirror_known) flags |= point_mirrors;
+  g.texel[7] = floatBitsToUint(vec4(mirror_across, mirror_down.x));
+  const vec2 down = mirror_down.yz;
+#else
+  const vec2 down = vec2(0.0);
+#endif
+  g.texel[0] = uvec4(floatBitsToUint(p.position), flags);
   g.texel[1] = floatBitsToUint(vec4(s.normal, s.roughness));
   g.texel[2] = floatBitsToUint(vec4(s.base_color, s.metallic));
   g.texel[3] = floatBitsToUint(vec4(s.emission, s.occlusion));
   g.texel[4] = floatBitsToUint(vec4(s.dielectric_f0, s.dielectric_f90));
-#if GBUFFER == 7
-  g.texel[5] = floatBitsToUint(vec4(p.on_triangle, 0.0));
-  g.texel[6] = floatBitsToUint(vec4(p.plane_normal, 0.0));
+#if GBUFFER >= 7
+  g.texel[5] = floatBitsToUint(vec4(p.on_triangle, down.x));
+  g.texel[6] = floatBitsToUint(vec4(p.plane_normal, down.y));
 #endif
   return g;
 }
 
+// Says what it mirrors too.
 SurfacePoint point_of(GBufferTexels g) {
   SurfacePoint p = no_point();
   const uint flags = g.texel[0].w;
@@ -146,9 +156,14 @@ SurfacePoint point_of(GBufferTexels g) {
   p.surface.occlusion = emitted.a;
   p.surface.dielectric_f0 = dielectric.rgb;
   p.surface.dielectric_f90 = dielectric.a;
-#if GBUFFER == 7
+#if GBUFFER >= 7
   p.on_triangle = uintBitsToFloat(g.texel[5].xyz);
   p.plane_normal = uintBitsToFloat(g.texel[6].xyz);
+#endif
+#if GBUFFER == 8
+  mirror_known = (flags & point_mirrors) != 0u;
+  mirror_across = uintBitsToFloat(g.texel[7].xyz);
+  mirror_down = uintBitsToFloat(uvec3(g.texel[7].w, g.texel[5].w, g.texel[6].w));
 #endif
   return p;
 }

@@ -176,8 +176,8 @@ float widened(float roughness, float variance) {
 }
 
 // What a pixel of a smooth surface mirrors: the change of the unit mirror direction from pixel to pixel (Igehy, "Tracing
-// Ray Differentials", 1999). Of what load_surface was called for last, with MIRROR_TAPS; else, and of the surfaces that
-// rays meet and of G-buffers, not known.
+// Ray Differentials", 1999). Of what load_surface was called for last, with MIRROR_TAPS, or the G-buffer's point; else,
+// and of the surfaces that rays meet, not known.
 bool mirror_known = false;
 vec3 mirror_across = vec3(0.0), mirror_down = vec3(0.0);
 vec3 mirror_step(vec3 n, vec3 d, vec3 n_step, vec3 d_step) {

@@ -9,14 +9,16 @@
 // With LIGHT_RECORDS the rays to lights have been sent before (passes/shadows/light_rays.h).
 #include "lib/openness.glsl"
 #include "shared/trace.h"
+#ifndef TRACES
+Openness traced_open() { return Openness(1.0, 1.0, -1.0, -1.0, vec3(0.0)); }
+float traced_lobe(vec3 normal, vec3 to_viewer, float roughness, float f0) { return 1.0; }
+#endif
 #if !defined(TRACES) && !defined(LIGHT_RECORDS)
 void begin_rays(vec3 position, vec3 normal) {}
 float traced_visibility(LightRef light, uint number) { return 1.0; }
 #ifdef LIGHT_EVAL
 vec3 traced_soft_light(LightRef light, uint number, BrdfTerms brdf, vec3 position) { return vec3(0.0); }
 #endif
-Openness traced_open() { return Openness(1.0, 1.0, -1.0, -1.0, vec3(0.0)); }
-float traced_lobe(vec3 normal, vec3 to_viewer, float roughness, float f0) { return 1.0; }
 #else
 #ifdef TRACES
 #include "lib/rays.glsl"
@@ -185,17 +187,15 @@ vec3 traced_soft_light(LightRef light, uint number, BrdfTerms brdf, vec3 positio
 }
 #endif
 
+#ifdef TRACES
 // As sky_open, of the point that begin_rays was called for.
 Openness traced_open() {
-#ifdef TRACES
   send_rays();
   return openness(sky_open(OCCLUSION_IS_BENT));
-#else
-  return Openness(1.0, 1.0, -1.0, -1.0, vec3(0.0));
-#endif
 }
 float traced_lobe(vec3 normal, vec3 to_viewer, float roughness, float f0) {
   send_rays();
   return lobe_open(normal, to_viewer, roughness, f0);
 }
+#endif
 #endif

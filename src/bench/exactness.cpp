@@ -203,6 +203,9 @@ std::span<const DrawnKnob> drawn_knobs() {
       {"bvh", "node_cost", {"0.125", "0.5"}},
       {"bvh", "depth", {"8", "60"}},
       {"bvh", "budget", {"0", "1"}},
+      {"bvh", "repeated", {"0", "524288"}},
+      {"light_rays", "apart", {"off", "on"}},
+      {"light_rays", "budget_mb", {"1", "256"}},
       {"bvh", "traversal", {"shader"}},  // the others are of devices that have them (bench/suites/traversal.json)
   };
   return table;

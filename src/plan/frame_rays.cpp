@@ -417,6 +417,7 @@ std::shared_ptr<const FrameRays> make_frame_rays(const Scene& scene, const Pose&
                   .depth = uint32_t(knobs.depth),
                   .block_shift = uint32_t(knobs.block),
                   .node_cost = knobs.node_cost};
+  options.repeated_triangles = size_t(knobs.repeated);
   FrameRays rays =
       lay_out_rays(Accel(scene, pose, data, options), scene, pose, data, refraction, open_sides, knobs.on_device());
   rays.key = rays_key(scene, pose, data, refraction, open_sides, knobs);

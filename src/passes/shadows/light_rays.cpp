@@ -46,6 +46,7 @@ std::span<const Knob> LightRayKnobs::table() {
                       "GPU. The picture is the same",
        .choices = {"off", "auto", "on"},
        .kind = Trades::time,
+       .sweep = {0, 2, 1},
        .required = in_use},
       {.name = "budget_mb",
        .member = &LightRayKnobs::budget_mb,
@@ -55,6 +56,7 @@ std::span<const Knob> LightRayKnobs::table() {
        .levels = {256, 256, 256, 1024},
        .description = "most memory for what such rays find; pixels without room send their own as they are shaded",
        .kind = Trades::time,
+       .sweep = {16, 64, 256, 1024},
        .required = in_use},
   };
   return rows;

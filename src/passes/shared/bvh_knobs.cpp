@@ -75,6 +75,17 @@ std::span<const Knob> BvhKnobs::table() {
        .kind = Trades::time,
        .sweep = {0, 0.25, 1},
        .required = "bvh.builder=sbvh"},
+      {.name = "repeated",
+       .member = &BvhKnobs::repeated,
+       .lowest = 0,
+       .highest = 1 << 28,
+       .levels = {},
+       .description =
+           "triangles that lie in the tree again for each item that shares them, beyond the first copies; of "
+           "more, shared geometry has a tree of its own, which takes less memory and time to build, and "
+           "more to trace",
+       .kind = Trades::time,
+       .sweep = {0, 1 << 19}},
   };
   return rows;
 }

@@ -20,6 +20,7 @@ struct BvhKnobs {
   float node_cost = 0.5f;
   int depth = 60;
   float budget = 1;
+  int repeated = 1 << 19;
   // The device's own trees are built beside these.
   bool on_device() const { return traversal != by_shader; }
   static std::span<const Knob> table();

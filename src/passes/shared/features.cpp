@@ -117,6 +117,10 @@ bool holds(const std::vector<SpecConstant>& constants, Feature f) {
 }  // namespace
 
 bool sends_rays(const std::vector<SpecConstant>& constants) { return holds(constants, Feature::ray_stack); }
+bool mirrors_sky(const std::vector<SpecConstant>& constants) {
+  return std::any_of(constants.begin(), constants.end(),
+                     [](const SpecConstant& c) { return Feature(c.id) == Feature::ibl_method && c.value >> 8 != 0; });
+}
 bool shades_lobes(const std::vector<SpecConstant>& constants) { return holds(constants, Feature::lobes); }
 bool scatters_in_bodies(const std::vector<SpecConstant>& constants) {
   return std::any_of(constants.begin(), constants.end(), [](const SpecConstant& c) {

@@ -64,6 +64,7 @@ SpecConstant rays_meet_blended_constant();
 // whether the device is asked what rays meet (bvh.traversal=query).
 std::vector<SpecConstant> ray_constants(uint32_t stack, bool blended, bool by_query);
 bool sends_rays(const std::vector<SpecConstant>& constants);          // those are among them
+bool mirrors_sky(const std::vector<SpecConstant>& constants);         // smooth surfaces, by what pixels show of it
 bool shades_lobes(const std::vector<SpecConstant>& constants);        // visible materials have lobes (shared/lobes.h)
 bool scatters_in_bodies(const std::vector<SpecConstant>& constants);  // one of them does (lib/scattering.glsl)
 // Those that a surface's base colour depends on.

@@ -40,7 +40,13 @@ GBuffer::Out GBuffer::declare(GraphBuilder& builder, const In& in) const {
   const bool in_plane = !choice.desc.constants.empty();
   Out out;
   GBufferImages& g = out.gbuffer;
-  const uint32_t own = knobs.format == Knobs::floats ? (in_plane ? 7 : 5) : knobs.format >= Knobs::position ? 2 : 1;
+  // Lobes take the places of images that this would need.
+  const bool mirrors = mirrors_sky(s.features) && !shades_lobes(s.features);
+  const uint32_t own = knobs.format == Knobs::floats     ? (mirrors    ? 8
+                                                            : in_plane ? 7
+                                                                       : 5)
+                       : knobs.format >= Knobs::position ? 2
+                                                         : 1;
   g.definitions = fmt::format("#GBUFFER={}", own);
   if (knobs.format != Knobs::floats) g.definitions += fmt::format("#PACKED={}", knobs.format + 1);
   const auto declare_step = [&](uint32_t count, std::string_view what, const std::string& defined) {

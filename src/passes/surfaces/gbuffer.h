@@ -20,8 +20,8 @@ struct GBufferKnobs {
 // cd/m2.
 //
 // Knob `gbuffer.format`, of a sample and without lobes:
-//   float: 80 bytes, 112 where shadows or occlusion take the triangle's plane: every value as the forward techniques
-//     shade it;
+//   float: 80 bytes, 112 where shadows or occlusion take the triangle's plane, 128 where smooth surfaces mirror a sky
+//     image: every value as the forward techniques shade it;
 //   packed: 32 bytes: normals 2x16 octahedral, albedo sRGB8, roughness, metallic and others 8 bits, emission half
 //   floats,
 //     positions from the depth along the view axis and the place in the pixel;

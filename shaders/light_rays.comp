@@ -26,6 +26,7 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/light_records.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 30) const int SAMPLES = 1;
+#include "lib/keyed_triangles.glsl"
 
 // Of a lane, numbered by its subgroup and its place there: where its rays begin.
 struct Origin {
@@ -54,44 +55,31 @@ void main() {
   const bool inside = all(lessThan(pixel, frame.size_px));
   const uvec2 valid = min(pixel, frame.size_px - 1u);
   pixel_middle = vec2(valid) + 0.5;
-  KeysRef keys = KeysRef(pc.table);
-  uint seen[SAMPLES];
-  uint left = 0u;
-  for (int s = 0; s < SAMPLES; ++s) {
-    seen[s] = uint(keys.k[(valid.y * frame.size_px.x + valid.x) * uint(SAMPLES) + uint(s)]);
-    if (inside && seen[s] != 0u) left |= 1u << s;
-  }
+  KeyedPixel keyed = keyed_pixel(valid);
+  if (!inside) keyed.left = 0u;
   if (gl_WorkGroupID.xy == uvec2(0u) && mine == 0u) {
     for (uint i = 0u; i < record_room_word; ++i) all_records().w[i] = RecordsRef(pc.rays).w[i];
     all_records().w[record_room_word] = pc.own;
   }
   const uint room = pc.own / (64u / width), ring = 2u * width, ring_begin = gl_SubgroupID * ring;
   RecordsRef records = RecordsRef(record_room(pixel, pc.own) + 4ul * uint64_t(gl_SubgroupID * room));
-  const uint all_samples = (1u << SAMPLES) - 1u;
   uint used = 0u;
   bool fits = gl_NumSubgroups == 64u / width;
-  while (fits && subgroupOr(left) != 0u) {
-    bool has = left != 0u;
+  while (fits && subgroupOr(keyed.left) != 0u) {
+    bool has = keyed.left != 0u;
     vec3 position = vec3(0.0);
     if (has) {
       // As shading takes them (shade_visible.comp).
-      const uint triangle = seen[findLSB(left)];
-      uint covered = 0u;
-      vec2 place = vec2(0.0);
-      for (int s = 0; s < SAMPLES; ++s)
-        if (seen[s] == triangle) {
-          covered |= 1u << s;
-          place += sample_place_px(SAMPLES, uint(s));
-        }
-      left &= ~covered;
-      place = covered == all_samples ? vec2(0.5) : place / float(bitCount(covered));
-      const TriangleBatch batch = BatchesRef(frame.batches).b[(triangle - 1u) / triangle_batch_size];
+      uint covered;
+      vec2 place;
+      const uint triangle = take_triangle(keyed, covered, place);
+      const TriangleBatch batch = BatchesRef(frame.batches).b[triangle / triangle_batch_size];
       has = (batch.flags & batch_unlit) == 0u;
       if (has) {
         const Item item = load_item(batch.item);
         const Geometry g = load_geometry(item.geometry);
         const Corners corners = load_corners(frame.indices, item, g,
-            batch.first_triangle + (triangle - 1u) % triangle_batch_size);
+            batch.first_triangle + triangle % triangle_batch_size);
         const ViewRay ray = view_ray(vec2(pixel) + place);
         const TrianglePoint p = meet_triangle(corners, ray);
         const vec3 to_viewer =

@@ -18,6 +18,7 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #endif
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 30) const int SAMPLES = 1;
+#include "lib/keyed_triangles.glsl"
 #ifndef WHOLE
 #include "lib/store_samples.glsl"
 #endif
@@ -89,41 +90,27 @@ void main() {
 #ifdef WITHOUT_RECORDS
   if (record_place(pixel).w[0] != 0u) return;
 #endif
-  const uint first = (pixel.y * frame.size_px.x + pixel.x) * uint(SAMPLES);
-  KeysRef keys = KeysRef(pc.table);
-  uint seen[SAMPLES];
-  uint left = 0u;
-  for (int s = 0; s < SAMPLES; ++s) {
-    seen[s] = uint(keys.k[first + uint(s)]);
-    if (seen[s] != 0u) left |= 1u << s;
-  }
+  KeyedPixel keyed = keyed_pixel(pixel);
   const uint all_samples = (1u << SAMPLES) - 1u;
 #ifdef WHOLE
   vec4 sum = vec4(0.0);
 #endif
-  if (left != all_samples) {
+  if (keyed.left != all_samples) {
     const vec4 behind = behind_all(pixel_middle);
 #ifdef WHOLE
-    const int covered = SAMPLES - bitCount(left);
+    const int covered = SAMPLES - bitCount(keyed.left);
     sum = behind * (float(covered) / float(SAMPLES));
 #else
-    store_samples(ivec2(pixel), all_samples & ~left, behind);
+    store_samples(ivec2(pixel), all_samples & ~keyed.left, behind);
 #endif
   }
-  while (left != 0u) {
-    const uint triangle = seen[findLSB(left)];
-    uint covered = 0u;
-    vec2 place = vec2(0.0);
-    for (int s = 0; s < SAMPLES; ++s)
-      if (seen[s] == triangle) {
-        covered |= 1u << s;
-        place += sample_place_px(SAMPLES, uint(s));
-      }
-    left &= ~covered;
-    place = covered == all_samples ? vec2(0.5) : place / float(bitCount(covered));
-    const vec4 radiance = shade_triangle(triangle - 1u, vec2(pixel) + place);
+  while (keyed.left != 0u) {
+    uint covered;
+    vec2 place;
+    const uint triangle = take_triangle(keyed, covered, place);
+    const vec4 radiance = shade_triangle(triangle, vec2(pixel) + place);
 #ifdef LIGHT_RECORDS
-    if (left != 0u) next_records();
+    if (keyed.left != 0u) next_records();
 #endif
 #ifdef WHOLE
     sum += radiance * (float(bitCount(covered)) / float(SAMPLES));

@@ -26,7 +26,8 @@ Rooms rooms_of(const SceneInputs& s, const TracedRays& rays, const LightRayKnobs
   const uint64_t all =
       s.samples * (s.light_count * (samples * a_ray + most_subgroups * head_words) + 2 * most_subgroups);
   const uint64_t fitting = (uint64_t(knobs.budget_mb) << 18) / out.groups;
-  out.suffice = all <= fitting;
+  // How a GPU forms subgroups is known in the shader alone.
+  out.suffice = rays.lockstep && all <= fitting;
   out.words = uint32_t(std::min<uint64_t>({std::max<uint64_t>(std::min(all, fitting), most_subgroups), 1u << 24}));
   out.bytes = (1 + out.groups) * 256 + out.groups * out.words * 4;
   return out;
@@ -76,12 +77,7 @@ Need LightRays::needed(const SceneFacts& facts, const FrameRequest&) const {
 LightRays::Out LightRays::declare(GraphBuilder& builder, const In& in) const {
   const SceneInputs& s = in.scene;
   const Lighting& lists = in.lists;
-  builder.read(s.constants, Access::uniform_read, "the frame's constants");
-  for (const BufferHandle b : {s.vertices, s.indices, s.items, s.transforms, s.geometries, s.materials, s.batches})
-    builder.read(b, Access::compute_read, "the scene");
-  builder.read(in.keys, Access::compute_read, "keys");
-  builder.read_optional(s.lobes, Access::compute_read);
-  builder.read_optional(in.deformed, Access::compute_read);
+  declare_keyed_surfaces(builder, s, in.keys, in.deformed);
   declare_lights(builder, s, lists, ReadBy::compute());
   const Rooms rooms = rooms_of(s, in.lists.rays, knobs);
   Out out;

@@ -117,6 +117,15 @@ std::vector<SpecConstant> light_constants(const Lighting& lists) {
   return constants;
 }
 
+void declare_keyed_surfaces(GraphBuilder& builder, const SceneInputs& s, BufferHandle keys, BufferHandle deformed) {
+  builder.read(s.constants, Access::uniform_read, "the frame's constants");
+  for (const BufferHandle b : {s.vertices, s.indices, s.items, s.transforms, s.geometries, s.materials, s.batches})
+    builder.read(b, Access::compute_read, "the scene");
+  builder.read(keys, Access::compute_read, "keys");
+  builder.read_optional(s.lobes, Access::compute_read);
+  builder.read_optional(deformed, Access::compute_read);
+}
+
 void declare_met_surfaces(GraphBuilder& builder, const SceneInputs& s, BufferHandle deformed, const Lighting& met) {
   builder.read(s.constants, Access::uniform_read, "the frame's constants");
   for (const BufferHandle b : {s.vertices, s.indices, s.items, s.transforms, s.geometries, s.materials, s.drawn_items})

@@ -56,6 +56,8 @@ struct OwnInputs {
   bool backs = false;        // of surfaces that are drawn: back faces alone
   uint64_t first_count = 0;  // into the counts of the draws, in bytes
 };
+// What compute passes declare that take surfaces from the keys of a visibility buffer, but for lights and fog.
+void declare_keyed_surfaces(GraphBuilder& builder, const SceneInputs& scene, BufferHandle keys, BufferHandle deformed);
 // What compute passes declare that shade surfaces where rays meet them (shaders/lib/shade_hit.glsl), and the constants
 // of their pipelines.
 void declare_met_surfaces(GraphBuilder& builder, const SceneInputs& scene, BufferHandle deformed, const Lighting& met);

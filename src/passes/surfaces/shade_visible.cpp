@@ -11,12 +11,7 @@ Need ShadeVisible::needed(const SceneFacts& facts, const FrameRequest&) const {
 
 ShadeVisible::Out ShadeVisible::declare(GraphBuilder& builder, const In& in) const {
   const SceneInputs& s = in.scene;
-  builder.read(s.constants, Access::uniform_read, "the frame's constants");
-  for (const BufferHandle b : {s.vertices, s.indices, s.items, s.transforms, s.geometries, s.materials, s.batches})
-    builder.read(b, Access::compute_read, "the scene");
-  builder.read(in.keys, Access::compute_read, "keys");
-  builder.read_optional(s.lobes, Access::compute_read);
-  builder.read_optional(in.deformed, Access::compute_read);
+  declare_keyed_surfaces(builder, s, in.keys, in.deformed);
   declare_lights(builder, s, in.lists, ReadBy::compute());
   declare_fog(builder, s, in.lists, true, ReadBy::compute());
   const auto pipeline = [&](const Lighting& lists, std::string_view store) {

@@ -55,8 +55,8 @@ void main() {
   const bool inside = all(lessThan(pixel, frame.size_px));
   const uvec2 valid = min(pixel, frame.size_px - 1u);
   pixel_middle = vec2(valid) + 0.5;
-  KeyedPixel keyed = keyed_pixel(valid);
-  if (!inside) keyed.left = 0u;
+  begin_keyed(valid);
+  if (!inside) keyed_left = 0u;
   if (gl_WorkGroupID.xy == uvec2(0u) && mine == 0u) {
     for (uint i = 0u; i < record_room_word; ++i) all_records().w[i] = RecordsRef(pc.rays).w[i];
     all_records().w[record_room_word] = pc.own;
@@ -65,14 +65,14 @@ void main() {
   RecordsRef records = RecordsRef(record_room(pixel, pc.own) + 4ul * uint64_t(gl_SubgroupID * room));
   uint used = 0u;
   bool fits = gl_NumSubgroups == 64u / width;
-  while (fits && subgroupOr(keyed.left) != 0u) {
-    bool has = keyed.left != 0u;
+  while (fits && subgroupOr(keyed_left) != 0u) {
+    bool has = keyed_left != 0u;
     vec3 position = vec3(0.0);
     if (has) {
       // As shading takes them (shade_visible.comp).
       uint covered;
       vec2 place;
-      const uint triangle = take_triangle(keyed, covered, place);
+      const uint triangle = take_triangle(covered, place);
       const TriangleBatch batch = BatchesRef(frame.batches).b[triangle / triangle_batch_size];
       has = (batch.flags & batch_unlit) == 0u;
       if (has) {

@@ -90,27 +90,27 @@ void main() {
 #ifdef WITHOUT_RECORDS
   if (record_place(pixel).w[0] != 0u) return;
 #endif
-  KeyedPixel keyed = keyed_pixel(pixel);
+  begin_keyed(pixel);
   const uint all_samples = (1u << SAMPLES) - 1u;
 #ifdef WHOLE
   vec4 sum = vec4(0.0);
 #endif
-  if (keyed.left != all_samples) {
+  if (keyed_left != all_samples) {
     const vec4 behind = behind_all(pixel_middle);
 #ifdef WHOLE
-    const int covered = SAMPLES - bitCount(keyed.left);
+    const int covered = SAMPLES - bitCount(keyed_left);
     sum = behind * (float(covered) / float(SAMPLES));
 #else
-    store_samples(ivec2(pixel), all_samples & ~keyed.left, behind);
+    store_samples(ivec2(pixel), all_samples & ~keyed_left, behind);
 #endif
   }
-  while (keyed.left != 0u) {
+  while (keyed_left != 0u) {
     uint covered;
     vec2 place;
-    const uint triangle = take_triangle(keyed, covered, place);
+    const uint triangle = take_triangle(covered, place);
     const vec4 radiance = shade_triangle(triangle, vec2(pixel) + place);
 #ifdef LIGHT_RECORDS
-    if (keyed.left != 0u) next_records();
+    if (keyed_left != 0u) next_records();
 #endif
 #ifdef WHOLE
     sum += radiance * (float(bitCount(covered)) / float(SAMPLES));

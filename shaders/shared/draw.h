@@ -59,6 +59,19 @@ struct SupersamplePush {
   float fraction;
   uvec2 size_px;
 };
+struct SubframesPush {
+  uint64_t before, sum;
+  uint source;
+  float fraction;
+  uvec2 first_px;  // of the source
+  uvec2 size_px;
+  uint adds;  // 0: of the first frame
+};
+struct SubframesMeanPush {
+  uint64_t sum;
+  uint target;
+  uvec2 size_px;
+};
 struct BackgroundPush {
   uint64_t lights, light_cells, light_entries, light_tiles, suns, lamps;  // as in SkyPush
   vec4 color;                                                             // premultiplied, pre-exposed

@@ -79,6 +79,33 @@ Expected<void> SharedRenderer::read_sky(const std::string& sky_file, const std::
   return {};
 }
 
+Expected<FrameResult> SharedRenderer::one_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
+                                                double time_s, SubframeSums& sums) {
+  auto planned = plan_frame(job, context, wanted, time_s);
+  if (!planned) return std::unexpected(planned.error());
+  std::vector<std::string> of_probes;
+  if (planned->facts.probes > 0)  // of each job its own
+    if (auto drawn = draw_probes(job, context, *planned, *runner_, *gpu_scene_, of_probes); !drawn)
+      return std::unexpected(drawn.error());
+  GpuScene::Uploaded uploaded = gpu_scene_->upload(*planned);
+  if (const auto prepared = runner_->prepare(planned->graph); !prepared) return std::unexpected(prepared.error());
+  sums.import(planned->graph.plan, uploaded.imports, uploaded.keep);
+  FrameResult frame;
+  frame.width_px = job.width_px, frame.height_px = job.height_px;
+  frame.time_s = time_s;
+  frame.outputs = planned->outputs;
+  frame.readbacks = runner_->run(planned->graph, uploaded.imports, {}).readbacks;
+  frame.pre_exposure = planned->upload.constants.pre_exposure;
+  frame.notes = std::move(planned->notes);
+  frame.warnings = std::move(of_probes);
+  frame.warnings.insert(frame.warnings.end(), uploaded.warnings.begin(), uploaded.warnings.end());
+  if (settings_.validate)
+    if (const auto messages = device_->validation_messages(); !messages.empty())
+      return fail(ErrorKind::device, "", "the validation layer says ({} in all): {}", messages.size(),
+                  messages.front());
+  return frame;
+}
+
 Expected<FrameResult> SharedRenderer::frame(const Job& job, const WantedOutputs& wanted, double time_s) {
   if (job.look != look_file_)  // which may have a sky
     if (auto read = read_sky(sky_file_, job.look); !read) return std::unexpected(read.error());
@@ -88,28 +115,21 @@ Expected<FrameResult> SharedRenderer::frame(const Job& job, const WantedOutputs&
     PlanContext context{scene_, layout_, &sky_};
     context.cpu = shades_on_cpu(*device_);
     context.on_device = on_device_;
-    auto planned = plan_frame(job, context, wanted, time_s);
-    if (!planned) return std::unexpected(planned.error());
-    std::vector<std::string> of_probes;
-    if (planned->facts.probes > 0)  // of each job its own
-      if (auto drawn = draw_probes(job, context, *planned, *runner_, *gpu_scene_, of_probes); !drawn)
-        return std::unexpected(drawn.error());
-    const GpuScene::Uploaded uploaded = gpu_scene_->upload(*planned);
-    if (const auto prepared = runner_->prepare(planned->graph); !prepared) return std::unexpected(prepared.error());
-    FrameResult frame;
-    frame.width_px = job.width_px, frame.height_px = job.height_px;
-    frame.time_s = time_s;
-    frame.outputs = planned->outputs;
-    frame.readbacks = runner_->run(planned->graph, uploaded.imports, {}).readbacks;
-    frame.pre_exposure = planned->upload.constants.pre_exposure;
-    frame.notes = std::move(planned->notes);
-    frame.warnings = std::move(of_probes);
-    frame.warnings.insert(frame.warnings.end(), uploaded.warnings.begin(), uploaded.warnings.end());
-    if (settings_.validate)
-      if (const auto messages = device_->validation_messages(); !messages.empty())
-        return fail(ErrorKind::device, "", "the validation layer says ({} in all): {}", messages.size(),
-                    messages.front());
-    return frame;
+    SubframeSums sums(*device_);
+    const auto frames = subframes_of(job, context, time_s);
+    if (!frames) return std::unexpected(frames.error());
+    if (frames->empty()) return one_frame(job, context, wanted, time_s, sums);
+    Expected<FrameResult> picture{FrameResult{}};
+    std::vector<std::string> warnings;
+    for (const Subframe& subframe : *frames) {
+      context.subframe = &subframe;
+      picture = one_frame(job, context, wanted, subframe.time_s, sums);
+      if (!picture) return picture;
+      for (const std::string& warning : picture->warnings)
+        if (std::ranges::find(warnings, warning) == warnings.end()) warnings.push_back(warning);
+    }
+    picture->warnings = std::move(warnings);
+    return picture;
   } catch (const gpu::GpuError& e) {
     return std::unexpected(as_error(e));
   }

@@ -6,6 +6,7 @@
 #include "plan/plan_frame.h"
 #include "session/device_samples.h"
 #include "session/gpu_scene.h"
+#include "session/subframe_sums.h"
 
 namespace candela {
 
@@ -35,6 +36,8 @@ class SharedRenderer {
   LightLayout lights_;  // where the device can pose them
   InstanceLayout instances_;
   DevicePose on_device_;
+  Expected<FrameResult> one_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
+                                  double time_s, SubframeSums& sums);
   Expected<void> read_sky(const std::string& sky_file, const std::string& look_file);
   JobSky sky_;
   std::string sky_file_, look_file_;  // that sky_ is of

@@ -21,7 +21,9 @@ constexpr const char* exit_codes =
 const std::vector<std::pair<std::string, std::vector<std::string>>>& groups() {
   static const std::vector<std::pair<std::string, std::vector<std::string>>> table = {
       {"Moment", {"frame", "frames", "time", "fps", "animation"}},
-      {"Camera", {"camera", "up", "eye", "target", "yfov", "azimuth", "elevation", "fit", "follow", "turntable"}},
+      {"Camera",
+       {"camera", "up", "eye", "target", "yfov", "azimuth", "elevation", "fit", "follow", "turntable", "shutter",
+        "fstop", "focus", "sensor", "subframes", "iso"}},
       {"Picture",
        {"output", "size", "view", "layers", "exposure", "tonemap", "background", "exr-type", "exr-compression",
         "png-bits", "no-dither", "metadata-timings", "allow-nonfinite", "dump"}},

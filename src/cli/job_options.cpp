@@ -14,7 +14,9 @@
 #include "cli/input_options.h"
 #include "job/frame_choices.h"
 #include "job/old_names.h"
+#include "job/picture_camera.h"
 #include "look/look.h"
+#include "passes/post/subframes.h"
 #include "plan/posed_scene.h"
 #include "render/metering.h"
 #include "scene/up_axis.h"
@@ -73,6 +75,39 @@ void add_layer_options(CLI::App& command, JobOptions& o) {
 }
 
 // How the picture comes out, of a frame that is otherwise the same.
+void add_shutter_options(CLI::App& command, JobOptions& o) {
+  command
+      .add_option("--shutter", o.shutter,
+                  "How long each picture is exposed, half before its time and half after it: 180deg of 360 a frame, "
+                  "1/48s, or a part of the frame from 0 to 1; without it an instant, or the look's")
+      ->type_name("ANGLE");
+  command
+      .add_option(
+          "--fstop", o.f_stop,
+          "A lens of that f-stop blurs what is off its plane of focus; 0: a pinhole; without it the look's lens")
+      ->check(non_negative_number())
+      ->type_name("N");
+  command
+      .add_option("--focus", o.focus,
+                  "Where the plane of focus lies: metres along the view axis, inf, or the name of a node that it "
+                  "follows")
+      ->type_name("M");
+  command.add_option("--sensor", o.sensor_mm, "Height of the sensor, which makes a focal length of the field of view")
+      ->check(positive_number())
+      ->type_name("MM")
+      ->default_str("24");
+  command
+      .add_option("--subframes", o.subframes,
+                  "Frames that a picture with a shutter or a lens is the mean of; as the quality says without it")
+      ->check(CLI::Range(1, 4096))
+      ->type_name("N");
+  command
+      .add_option("--iso", o.iso,
+                  "Speed of the sensor: f-stop, shutter and it say the exposure, as on a camera; --exposure is added")
+      ->check(positive_number())
+      ->type_name("SPEED");
+}
+
 void add_picture_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   command
       .add_option("--shading", o.shading,
@@ -164,6 +199,7 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
           "stands")
       ->check(CLI::Range(1, 1000000))
       ->type_name("N");
+  add_shutter_options(command, o);
   command.add_option("--size", o.size, "Size of the image in pixels, or 720p, 1080p, 1440p, 4k or 8k")
       ->capture_default_str()
       ->type_name("WxH");
@@ -373,6 +409,22 @@ Expected<std::optional<float>> exposure_of(const std::string& text) {
 
 }  // namespace
 
+namespace {
+
+Expected<void> read_shutter(const JobOptions& o, Job& job) {
+  if (!o.shutter.empty()) {
+    const auto shutter_s = parse_shutter(o.shutter, job.motion_s);
+    if (!shutter_s) return std::unexpected(shutter_s.error());
+    job.shutter_s = *shutter_s;
+  }
+  job.f_stop = o.f_stop, job.sensor_mm = o.sensor_mm, job.iso = o.iso;
+  job.focus = o.focus;
+  if (o.subframes > 0) job.settings.push_back({std::string(Subframes::Knobs::name), "n", std::to_string(o.subframes)});
+  return {};
+}
+
+}  // namespace
+
 Expected<Job> job_of(const JobOptions& o) {
   if (o.scene.empty()) return fail(ErrorKind::usage, "SCENE", "no scene given; name a .gltf or .glb file");
   Job job;
@@ -392,6 +444,7 @@ Expected<Job> job_of(const JobOptions& o) {
   if (!rate) return std::unexpected(Error{ErrorKind::usage, rate.error().message, "--fps"});
   job.motion_s = rate->seconds(1);
   if (o.turntable > 0) job.camera.turn_s = rate->seconds(o.turntable);
+  if (auto read = read_shutter(o, job); !read) return std::unexpected(read.error());
   job.samples = o.samples;
   job.technique = o.technique;
   job.transparency = o.transparency;

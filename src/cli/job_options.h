@@ -23,6 +23,9 @@ struct JobOptions {
   bool fit = false, follow = false;
   int turntable = 0;  // frames of a turn
   int samples = 0, png_bits = 8, queues = 2;
+  std::string shutter, focus;
+  std::optional<double> f_stop, sensor_mm, iso;
+  int subframes = 0;             // 0: as the quality says
   std::string exposure, strict;  // none (empty), loss or all
   uint64_t seed = 0;
   bool no_dither = false, metadata_timings = false, allow_nonfinite = false, allow_blank = false, validate = false,

@@ -180,7 +180,8 @@ Expected<Traced> trace(const ReferencePlan& plan, const ReferenceOptions& o, con
     film = std::move(*loaded);
     log::info("goes on after {} samples a pixel", film.samples());
   }
-  const reference::Integrator integrator(*frame.world, plan.request.settings, film.width(), film.height());
+  auto moments = TracedMoments::open(frame, plan.job, plan.request);
+  if (!moments) return std::unexpected(moments.error());
   StatusLine status(o.job.quiet);
   Expected<void> saved;
   constexpr double save_every_s = 60;
@@ -193,7 +194,7 @@ Expected<Traced> trace(const ReferencePlan& plan, const ReferenceOptions& o, con
     last_save_us = process_clock_us();
   };
   reference::refine(
-      film, integrator, plan.request.stop,
+      film, [&](uint64_t sample) { return moments->at(sample); }, plan.request.stop,
       [&](const reference::Progress& p) {
         show_trace(status, p, plan.request.stop);
         return interrupted == 0;
@@ -201,6 +202,7 @@ Expected<Traced> trace(const ReferencePlan& plan, const ReferenceOptions& o, con
       [&] {
         if (process_clock_us() - last_save_us > save_every_s * 1e6) save();
       });
+  if (moments->error()) return std::unexpected(*moments->error());
   // An interruption keeps what was traced, asked for or not.
   fs::path state = o.state;
   if (interrupted != 0 && state.empty() && film.samples() > 0) {

@@ -69,11 +69,18 @@ std::string job_json(const Job& job) {
   if (job.up != Job().up) j["up"] = job.up;
   if (job.cut_outs != Job().cut_outs) j["cut_outs"] = job.cut_outs;
   if (!job.probe.empty()) j["probe"] = job.probe;
+  if (job.shutter_s) j["shutter_s"] = *job.shutter_s;
+  if (job.f_stop) j["fstop"] = *job.f_stop;
+  if (!job.focus.empty()) j["focus"] = job.focus;
+  if (job.sensor_mm) j["sensor_mm"] = *job.sensor_mm;
+  if (job.iso) j["iso"] = *job.iso;
   if (job.exposure_ev) j["exposure"] = shortest(*job.exposure_ev);
   if (!job.tonemap.empty()) j["tonemap"] = job.tonemap;
   j["view"] = job.view;
   if (!job.layers.empty()) j["layers"] = job.layers;
-  if (job.view == "motion" || std::ranges::find(job.layers, "motion") != job.layers.end()) j["motion_s"] = job.motion_s;
+  if (job.view == "motion" || std::ranges::find(job.layers, "motion") != job.layers.end() ||
+      (!job.look.empty() && job.motion_s != Job().motion_s))
+    j["motion_s"] = job.motion_s;
   j["background"] = job.background;
   j["seed"] = job.seed;
   j["exr-type"] = job.exr_float ? "float" : "half";
@@ -126,6 +133,13 @@ Reader number_into(std::optional<double> CameraRequest::*member) {
   return [member](const Json& v, Job& job) -> std::string {
     if (!v.is_number()) return "is not a number";
     job.camera.*member = v.get<double>();
+    return {};
+  };
+}
+Reader number_into(std::optional<double> Job::*member) {
+  return [member](const Json& v, Job& job) -> std::string {
+    if (!v.is_number()) return "is not a number";
+    job.*member = v.get<double>();
     return {};
   };
 }
@@ -205,6 +219,11 @@ const std::map<std::string, Reader>& readers() {
       {"variant", text_into(&Job::variant)},
       {"cut_outs", text_into(&Job::cut_outs)},
       {"probe", text_into(&Job::probe)},
+      {"shutter_s", number_into(&Job::shutter_s)},
+      {"fstop", number_into(&Job::f_stop)},
+      {"focus", text_into(&Job::focus)},
+      {"sensor_mm", number_into(&Job::sensor_mm)},
+      {"iso", number_into(&Job::iso)},
       {"exposure",
        [](const Json& v, Job& job) -> std::string {
          if (!v.is_number()) return "is not a number";

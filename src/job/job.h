@@ -40,11 +40,17 @@ struct Job {
   // Equirectangular .hdr or .exr, six faces, or a word (is_sky_word). Empty: the look's; where there is no light
   // either, the neutral one.
   std::string sky;
-  std::string look;                        // look file
-  std::string shading = "pbr";             // how surfaces answer light (scene/shading.h)
-  std::string cut_outs = "blended";        // blended materials that hide all or nothing (scene/cut_outs.h)
-  std::string sides = "auto";              // light from behind single-sided faces: block, open, or by the scene
-  std::string variant;                     // of materials, by its name in the file; empty: the default materials
+  std::string look;                  // look file
+  std::string shading = "pbr";       // how surfaces answer light (scene/shading.h)
+  std::string cut_outs = "blended";  // blended materials that hide all or nothing (scene/cut_outs.h)
+  std::string sides = "auto";        // light from behind single-sided faces: block, open, or by the scene
+  std::string variant;               // of materials, by its name in the file; empty: the default materials
+  // Shutter and lens; absent: as the look says, else an instant and a pinhole (job/picture_camera.h).
+  std::optional<double> shutter_s;         // how long it is open, half before the frame's time and half after it
+  std::optional<double> f_stop;            // focal length over the diameter of the opening; 0: a pinhole
+  std::optional<double> sensor_mm;         // height of the sensor
+  std::string focus;                       // metres, inf, or the name of a node; empty: as the look says
+  std::optional<double> iso;               // with it f-stop, shutter and this speed say the exposure
   std::string probe;                       // a sphere before the camera: white, grey, chrome; empty: none
   std::optional<float> exposure_ev;        // absent: as the look says, else 0
   std::string tonemap;                     // a curve (tonemap_names()); empty: as the look says, else agx

@@ -39,6 +39,17 @@ Expected<void> check_settings(const Job& job) {
   return {};
 }
 
+Expected<void> check_shutter(const Job& job) {
+  const auto is = [](const std::optional<double>& value, double above) {
+    return !value || (std::isfinite(*value) && *value >= above);
+  };
+  if (!is(job.shutter_s, 0)) return fail(ErrorKind::usage, "--shutter", "{} s is no time", *job.shutter_s);
+  if (!is(job.f_stop, 0)) return fail(ErrorKind::usage, "--fstop", "{} is no f-stop", *job.f_stop);
+  if (!is(job.sensor_mm, 1e-3)) return fail(ErrorKind::usage, "--sensor", "{} mm is no sensor", *job.sensor_mm);
+  if (!is(job.iso, 1e-3)) return fail(ErrorKind::usage, "--iso", "{} is no speed", *job.iso);
+  return {};
+}
+
 Expected<void> check_direction(const CameraRequest& camera) {
   const bool turns = camera.turn_s > 0, direction = camera.azimuth_deg || camera.elevation_deg || turns;
   const char* option = turns ? "--turntable" : camera.azimuth_deg ? "--azimuth" : "--elevation";
@@ -88,6 +99,7 @@ Expected<void> check_job(const Job& job) {
   if (job.camera.yfov_deg && !(*job.camera.yfov_deg > 0 && *job.camera.yfov_deg < 180))
     return fail(ErrorKind::usage, "--yfov", "{} is outside 0 to 180 degrees", *job.camera.yfov_deg);
   if (auto good = check_direction(job.camera); !good) return good;
+  if (auto good = check_shutter(job); !good) return good;
   static const std::vector<std::string> qualities = {"draft", "normal", "high", "exact"};
   if (job.technique != auto_technique)
     if (auto known = check_name("--technique", "technique", job.technique, technique_names()); !known) return known;

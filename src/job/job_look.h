@@ -7,7 +7,11 @@ namespace candela {
 // The job's look file at a time; an empty look where the job names none.
 Expected<Look> look_of(const Job& job, double time_s = 0);
 
-// How a picture becomes display values: what the command line says, else the look, else 0 stops and agx.
+// Takes the look's exposure away where f-stop, shutter and ISO speed say it.
+void expose_by_camera(const Job& job, Look& look);
+
+// How a picture becomes display values: what the command line says, else the look, else 0 stops and agx. With an ISO
+// speed the exposure is the camera's (picture_camera.h), and the job's is added to it.
 struct DisplayLook {
   float exposure_ev = 0;
   std::string curve = "agx";

@@ -329,12 +329,47 @@ Row<Look> shadows_row() {
       "which point and spot lights cast shadows before all others");
 }
 
+Row<Look> lens_row() {
+  return object_row<Look, LensLook>(
+      "lens",
+      {number_row<LensLook>("f_stop", above_zero(), &LensLook::f_stop,
+                            "focal length over the diameter of the opening; --fstop goes before it"),
+       number_row<LensLook>("focus_m", above_zero(), &LensLook::focus_m,
+                            "metres along the view axis to the plane of focus; --focus goes before it"),
+       text_row<LensLook>("focus_node", {}, &LensLook::focus_node,
+                          "instead of focus_m: the name of a node that the plane of focus goes through"),
+       number_row<LensLook>("sensor_mm", above_zero(), &LensLook::sensor_mm,
+                            "millimetres: height of the sensor; --sensor goes before it")},
+      [](Look&) { return LensLook{}; },
+      [](const Json&, const std::string& place, LensLook& lens, Look& look) -> Expected<void> {
+        if ((lens.focus_m > 0) == !lens.focus_node.empty())
+          return wrong(place, "needs focus_m or focus_node, one of the two");
+        look.lens = lens;
+        return {};
+      },
+      "a lens with an opening: what lies off its plane of focus is blurred");
+}
+
+Row<Look> shutter_row() {
+  return object_row<Look, ShutterLook>(
+      "shutter",
+      {number_row<ShutterLook>("angle_deg", between(0, 360), &ShutterLook::angle_deg,
+                               "degrees of 360 a frame that it is open, about the frame's time; --shutter goes before "
+                               "it")},
+      [](Look&) { return ShutterLook{}; },
+      [](const Json&, const std::string&, ShutterLook& shutter, Look& look) -> Expected<void> {
+        look.shutter = shutter;
+        return {};
+      },
+      "how long each frame is exposed: what moves is blurred");
+}
+
 }  // namespace
 
 const Rows<Look>& look_rows::look_table() {
-  static const Rows<Look> rows = {fog_row(),     sun_row(),        lights_row(),      sky_row(),
-                                  bloom_row(),   occlusion_row(),  exposure_row(),    tone_row(),
-                                  shadows_row(), volumetric_row(), reflections_row(), probes_row()};
+  static const Rows<Look> rows = {fog_row(),         sun_row(),      lights_row(), sky_row(),     bloom_row(),
+                                  occlusion_row(),   exposure_row(), tone_row(),   shadows_row(), volumetric_row(),
+                                  reflections_row(), probes_row(),   lens_row(),   shutter_row()};
   return rows;
 }
 
@@ -367,6 +402,8 @@ std::vector<std::string> switched_on(const Look& look) {
   add(look.occlusion.has_value(), "occlusion");
   add(look.reflections.has_value(), "reflections");
   add(!look.probes.empty(), "reflection probes");
+  add(look.lens.has_value(), "lens");
+  add(look.shutter.has_value(), "shutter");
   add(!look.shadows.lights.empty(), "lights marked for shadows");
   add(look.exposure.ev.has_value(), "exposure");
   add(look.exposure.automatic.has_value(), "automatic exposure");

@@ -164,6 +164,18 @@ struct ReflectionProbe {
 };
 inline constexpr size_t most_reflection_probes = 8;
 
+// A thin lens: what lies off its plane of focus is blurred.
+struct LensLook {
+  double f_stop = 2.8;     // focal length over the diameter of the opening
+  double focus_m = 0;      // along the view axis; infinity: far away; 0: not said
+  std::string focus_node;  // the plane goes through the node of this name; empty: focus_m says
+  double sensor_mm = 24;   // height of the sensor, which with the field of view gives the focal length
+};
+// The shutter is open for so many degrees of 360 a frame, half before the frame's time and half after it.
+struct ShutterLook {
+  double angle_deg = 180;
+};
+
 // What a look file says of the picture beside scene and job.
 struct Look {
   std::optional<Fog> fog;
@@ -179,6 +191,8 @@ struct Look {
   ShadowLook shadows;
   std::optional<Volumetric> volumetric;
   std::vector<ReflectionProbe> probes;  // smaller boxes first, which go before larger ones
+  std::optional<LensLook> lens;         // absent: a pinhole
+  std::optional<ShutterLook> shutter;   // absent: an instant
 };
 // How many media there are to sum; 0 where the one that there is has closed forms, which know no turned box.
 inline size_t summed_fog(const Look& look) {

@@ -29,9 +29,12 @@
 #include "passes/occlusion/occlusion_layer.h"
 #include "passes/post/bloom.h"
 #include "passes/post/exposure.h"
+#include "passes/post/motion_blur.h"
 #include "passes/post/pack.h"
 #include "passes/post/readback.h"
 #include "passes/post/resolve.h"
+#include "passes/post/smooth_edges.h"
+#include "passes/post/subframes.h"
 #include "passes/post/supersample.h"
 #include "passes/post/tonemap.h"
 #include "passes/reflections/reflections.h"
@@ -76,6 +79,7 @@ using AllPasses =
              PutSamples, ShadeForward, ShadeUnlit, Sky, Background, Reflections, ReflectionsOver, Refraction,
              Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms, FogLayers, SunLayers,
              LocalLayers, OcclusionLayer, LightHeat, LightVolumeLayer, TraversalHeat, TreeBoxes, MotionLayer, MatteIds,
-             MatteRanks, Supersample, Resolve, VolumetricLight, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
+             MatteRanks, Supersample, Resolve, VolumetricLight, Subframes, SubframesMean, MotionBlur, SmoothEdges,
+             Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
 
 }  // namespace candela

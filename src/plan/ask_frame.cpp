@@ -7,6 +7,7 @@
 #include "job/background.h"
 #include "job/choose_occlusion.h"
 #include "job/choose_transparency.h"
+#include "job/job_look.h"
 #include "passes/post/resolve.h"
 #include "passes/post/supersample.h"
 #include "passes/shared/knob_values.h"
@@ -60,6 +61,24 @@ FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedO
   return request;
 }
 
+// The frame as a part of a picture: one sample a pixel, for it has as many as there are frames, and the exposure of the
+// picture's time. Subframes have no output but the layers that are light, as sums.
+Expected<void> take_subframe(const Subframe& subframe, const PlanContext& context, AskedFrame& asked) {
+  FrameRequest& request = asked.request;
+  request.part = {.role = subframe.role, .index = subframe.index, .count = subframe.count};
+  request.part.width_px = request.width_px, request.part.height_px = request.height_px;
+  if (subframe.role != SubframePart::Role::subframe) return {};
+  request.samples = 1;
+  auto look = context.look ? context.look->at(subframe.picture_s) : look_of(asked.job, subframe.picture_s);
+  if (!look) return std::unexpected(look.error());
+  expose_by_camera(asked.job, *look);
+  request.exposure_ev = display_look(asked.job, *look).exposure_ev;
+  request.pre_exposure_ev = std::clamp(request.exposure_ev, -most_pre_exposure_ev, most_pre_exposure_ev);
+  request.noise_seed ^= 0x9e3779b9u * (subframe.index + 1);
+  std::erase_if(request.layers, [](const std::string& layer) { return !is_summed(layer); });
+  return {};
+}
+
 // The job with names where it says auto, for a device as the context's.
 Job without_auto(Job job, const Scene& scene, std::vector<std::string>& notes) {
   if (job.technique == auto_technique) {  // no device is open
@@ -96,7 +115,14 @@ Expected<AskedFrame> ask_frame(const Job& job, const PlanContext& context, const
   auto look = context.look ? context.look->at(time_s) : look_of(asked.job, time_s);
   if (!look) return std::unexpected(look.error());
   if (context.face) look = seen_by_probe(std::move(*look));
+  expose_by_camera(asked.job, *look);
   asked.request = make_request(asked.job, asked.knobs, wanted, time_s, std::move(*look));
+  const auto camera = picture_camera(asked.job, asked.request.look);
+  if (!camera) return std::unexpected(camera.error());
+  if (gathers(*camera, asked.knobs.get<Subframes::Knobs>()) && !context.face)
+    asked.request.motion_share = camera->shutter_s / asked.job.motion_s;
+  if (context.subframe)
+    if (auto fine = take_subframe(*context.subframe, context, asked); !fine) return std::unexpected(fine.error());
   if (!asked.request.look.bloom && asked.request.names_effect("bloom")) asked.request.look.bloom = Bloom{};
   return asked;
 }

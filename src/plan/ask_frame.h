@@ -13,6 +13,7 @@
 #include "plan/frame_dumps.h"
 #include "plan/frame_rays.h"
 #include "plan/lamp_pool.h"
+#include "plan/subframes.h"
 #include "scene/geometry_layout.h"
 #include "sky/job_sky.h"
 #include "techniques/technique.h"
@@ -28,6 +29,7 @@ struct PlanContext {
   const KeptKeys* kept = nullptr;         // what earlier frames left; null: nothing is kept
   const KeptLamps* kept_lamps = nullptr;  // likewise, of maps of point and spot lights
   const View* face = nullptr;             // of a reflection probe's image, which takes the place of the job's camera
+  const Subframe* subframe = nullptr;     // what the frame is of a picture with shutter or lens; null: all of it
   DevicePose on_device = {};              // instances that the device can pose
   std::shared_ptr<const FrameRays> rays = {};  // of an earlier frame; taken where the key is this one's
   // The device runs shaders on a CPU, by subgroups of eight or more: without a device as the one here by default.

@@ -34,7 +34,7 @@ bool poses_items_on_device(const FrameRequest& request, const KnobValues& knobs,
                        (knobs.get<LampKnobs>().traced() || sends_rays(SunMode(knobs.get<SunKnobs>().mode)));
   const bool rays = technique.keys == Technique::Keys::traced || shows_trees(request) || shadows || occlusion ||
                     reflections || refraction;
-  return knobs.get<PoseItems::Knobs>().enabled != 0 && !rays && !request.has_layer("motion");
+  return knobs.get<PoseItems::Knobs>().enabled != 0 && !rays && !request.wants_motion();
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ Expected<PackedFrame> pack_frame(const AskedFrame& asked, const SurveyedFrame& f
   if (asked.technique->keys != Technique::Keys::none) add_batches(packed.draws, packed.upload);
   packed.traces_keys = asked.technique->keys == Technique::Keys::traced && packed.upload.batch_count > 0;
   if (packed.traces_keys) add_triangle_numbers(packed.draws, packed.upload);
-  if (frame.request.has_layer("motion") && !context.face) {
+  if (frame.request.wants_motion() && !context.face) {
     const auto before = pose_before(context.scene, asked.job, time_s, frame.pose);
     if (!before) return std::unexpected(before.error());
     add_motion(frame.data, frame.view, before->data, before->view, packed.upload);

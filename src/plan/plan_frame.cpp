@@ -125,7 +125,10 @@ void add_notes(PlannedFrame& f, const KnobValues& knobs) {
 }
 
 // Passes of which there is nothing and no reason yet are other techniques'.
-void leave_out_others(GraphBuilder& builder, std::string_view technique) {
+void leave_out_others(GraphBuilder& builder, SubframePart::Role role, std::string_view technique) {
+  std::string reason = fmt::format("the technique {} does without it (--technique)", technique);
+  if (role == SubframePart::Role::mean) reason = "the picture's subframes have it";
+  if (role == SubframePart::Role::subframe) reason = "it follows once for all subframes of the picture";
   const auto is_of = [](std::string_view name, std::string_view pass) {
     return name.substr(0, name.find('.')) == pass;
   };
@@ -134,9 +137,7 @@ void leave_out_others(GraphBuilder& builder, std::string_view technique) {
         std::ranges::any_of(builder.passes(), [&](const auto& pass) { return is_of(pass.name, info.name); });
     const bool has_reason =
         std::ranges::any_of(builder.left_out(), [&](const LeftOut& pass) { return is_of(pass.pass, info.name); });
-    if (!is_declared && !has_reason)
-      builder.leave_out(std::string(info.name),
-                        fmt::format("the technique {} does without it (--technique)", technique));
+    if (!is_declared && !has_reason) builder.leave_out(std::string(info.name), reason);
   }
 }
 
@@ -175,7 +176,7 @@ Expected<void> plan_graph(const AskedFrame& asked, const PlanContext& context, c
     build_frame(frame, inputs, *asked.technique);
     if (requests.empty())
       builder.leave_out(std::string(Dump::name), "no image is asked for (render --dump, --view debug.PASS.IMAGE)");
-    leave_out_others(builder, asked.technique->name);
+    leave_out_others(builder, f.request.part.role, asked.technique->name);
     f.outputs = std::move(frame.outputs);
     f.counts = frame.counts;
     f.reports = std::move(frame.reports);
@@ -202,8 +203,10 @@ Expected<void> plan_graph(const AskedFrame& asked, const PlanContext& context, c
 
 }  // namespace
 
-Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
-                                  double time_s) {
+namespace {
+
+Expected<PlannedFrame> plan_one(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
+                                double time_s) {
   StageClock clock;
   clock.begin("animate");
   const auto asked = ask_frame(job, context, wanted, time_s);
@@ -233,6 +236,25 @@ Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, co
   clock.end();
   f.clock = std::move(clock);
   return f;
+}
+
+}  // namespace
+
+Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
+                                  double time_s) {
+  if (context.subframe) return plan_one(job, context, wanted, time_s);
+  const auto frames = subframes_of(job, context, time_s);
+  if (!frames) return std::unexpected(frames.error());
+  if (frames->empty()) return plan_one(job, context, wanted, time_s);
+  PlanContext first = context;
+  first.subframe = &frames->front();
+  auto planned = plan_one(job, first, wanted, first.subframe->time_s);
+  if (planned)
+    planned->notes.push_back(
+        fmt::format("the picture is the mean of {} such frames, from {:.6g} to {:.6g} s "
+                    "(subframes.n, --shutter, --fstop)",
+                    frames->front().count, frames->front().time_s, (*frames)[frames->size() - 2].time_s));
+  return planned;
 }
 
 Expected<PlannedFrame> plan_frame(const Job& job, const Scene& scene, const WantedOutputs& wanted, double time_s) {

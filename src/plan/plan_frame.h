@@ -35,6 +35,7 @@ struct PlannedFrame : SurveyedFrame, PackedFrame, LitFrame, TracedFrame {
   std::vector<std::string> notes;  // of all stages
   StageClock clock;                // their times; the sum is all of planning
 };
+// Of a picture of several frames (plan/subframes.h) the one that the context names, else the first of them.
 // The chain of the stages: ask_frame, survey_frame, pack_frame, light_frame, trace_frame, and the graph.
 Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
                                   double time_s);

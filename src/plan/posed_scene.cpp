@@ -1,6 +1,9 @@
 #include "plan/posed_scene.h"
 
+#include <algorithm>
+
 #include "base/log.h"
+#include "base/text.h"
 #include "scene/cut_outs.h"
 #include "scene/probe.h"
 #include "scene/shading.h"
@@ -21,8 +24,48 @@ Expected<Scene> load_scene(const Job& job, LoadFor use) {
   return scene;
 }
 
+Expected<double> focus_m(const Scene& scene, const LensLook& lens, const Pose& pose, const View& view) {
+  if (lens.focus_node.empty()) return lens.focus_m;
+  const auto of_name =
+      std::ranges::find_if(scene.order, [&](int n) { return scene.nodes[size_t(n)].name == lens.focus_node; });
+  if (of_name == scene.order.end()) {
+    std::vector<std::string> names;
+    for (const int n : scene.order)
+      if (!scene.nodes[size_t(n)].name.empty()) names.push_back(scene.nodes[size_t(n)].name);
+    return fail(ErrorKind::usage, "--focus", "{}", unknown_name("node", lens.focus_node, names));
+  }
+  const glm::dvec3 place(pose.world_from_node[size_t(*of_name)][3]);
+  const double depth_m = -(glm::dmat3(view.view_from_relative) * (place - view.position)).z;
+  if (depth_m >= view.near_m) return depth_m;
+  return fail(ErrorKind::usage, "--focus", "node '{}' is not before the camera at {:.6g} s ({:.4g} m along its axis)",
+              lens.focus_node, pose.time_s, depth_m);
+}
+
+namespace {
+
+Expected<ImageWindow> seen_by_subframe(const Scene& scene, const Job& job, const Subframe& subframe,
+                                       PosedScene& posed) {
+  constexpr int most_px = 16384;  // as check_job()
+  LensPoint point;
+  if (subframe.camera) {
+    const auto focus = focus_m(scene, *subframe.camera, posed.pose, posed.view);
+    if (!focus) return std::unexpected(focus.error());
+    point.focus_m = *focus;
+    point.radius_m = lens_radius_m(*subframe.camera, posed.view);
+    point.from_middle_m = subframe.lens * point.radius_m;
+    if (!posed.view.perspective) posed.view.notes.push_back("an orthographic camera has no lens: --fstop does nothing");
+  }
+  return look_through(posed.view, point, subframe.offset_px, job.width_px, job.height_px, most_px);
+}
+
+}  // namespace
+
+double lens_radius_m(const LensLook& lens, const View& view) {
+  return view.perspective ? lens.sensor_mm / 1000 / 2 / view.tan_y / lens.f_stop / 2 : 0;
+}
+
 Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_s, double lamp_radius_m,
-                                const View* given, const DevicePose& on_device) {
+                                const View* given, const DevicePose& on_device, const Subframe* subframe) {
   const auto animations = choose_animations(scene, job.animation);
   if (!animations) return std::unexpected(animations.error());
   PosedScene out;
@@ -40,6 +83,11 @@ Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_
     if (!view) return std::unexpected(view.error());
     out.view = std::move(*view);
     place_probe(scene, out.pose, out.view, bounds);
+  }
+  if (subframe && subframe->role == SubframePart::Role::subframe) {
+    auto window = seen_by_subframe(scene, job, *subframe, out);
+    if (!window) return std::unexpected(window.error());
+    out.window = *window;
   }
   out.data = make_frame_data(scene, out.pose, out.view, lamp_radius_m, on_device);
   return out;

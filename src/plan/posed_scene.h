@@ -1,6 +1,7 @@
 #pragma once
 #include "gltf/gltf.h"
 #include "job/job.h"
+#include "plan/subframes.h"
 #include "scene/frame_data.h"
 
 namespace candela {
@@ -13,11 +14,19 @@ struct PosedScene {
   Pose pose;
   View view;
   FrameData data;
+  ImageWindow window;  // of a subframe
 };
+// subframe: what the view is moved to and widened by; null: it is the picture's.
 // lamp_radius_m: of lamps that say nothing of their own size. view: instead of the job's, and without its probe.
 // on_device: as make_frame_data takes it.
 Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_s, double lamp_radius_m = 0,
-                                const View* view = nullptr, const DevicePose& on_device = {});
+                                const View* view = nullptr, const DevicePose& on_device = {},
+                                const Subframe* subframe = nullptr);
+
+// Half the diameter of the lens's opening; 0 of orthographic views. How far along the view axis its plane of focus
+// lies. Errors (usage): there is no node of that name; it is not before the camera.
+double lens_radius_m(const LensLook& lens, const View& view);
+Expected<double> focus_m(const Scene& scene, const LensLook& lens, const Pose& pose, const View& view);
 
 // The same scene and camera at Job::motion_s before time_s, with the items of `now`, the pose at time_s, one for one:
 // what is visible now, where it was then.

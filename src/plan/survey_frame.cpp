@@ -83,9 +83,15 @@ Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext&
   f.request = asked.request;
   f.notes = asked.notes;
   f.on_device = posed_on_device(f.request, asked.knobs, *asked.technique, context.on_device, context.cpu);
-  auto posed = pose_scene(context.scene, job, time_s, f.request.look.lights.radius_m, context.face, f.on_device);
+  auto posed = pose_scene(context.scene, job, time_s, f.request.look.lights.radius_m, context.face, f.on_device,
+                          context.subframe);
   if (!posed) return std::unexpected(posed.error());
   f.pose = std::move(posed->pose), f.view = std::move(posed->view), f.data = std::move(posed->data);
+  if (f.request.part.role == SubframePart::Role::subframe) {
+    f.request.width_px += 2 * posed->window.margin_px.x, f.request.height_px += 2 * posed->window.margin_px.y;
+    f.request.part.first_px = posed->window.first_px;
+    f.request.part.offset_px = posed->window.offset_px;
+  }
   if (std::string note = clip_note(context.scene, job.animation); !note.empty()) f.notes.push_back(std::move(note));
   if (context.sky) f.sky = context.sky->at(f.request.look, f.data, f.notes);
   f.sky.shows_suns = !context.face;

@@ -79,6 +79,12 @@ HarmonicAmbient harmonic_ambient(const AmbientSh& sh, const Surface& s, glm::dve
           {}};
 }
 
+CameraRay Integrator::camera_ray(glm::dvec2 place_px, const SampleStream& stream) const {
+  CameraRay ray = world_.camera_ray(place_px, width_px_, height_px_);
+  if (world_.has_lens()) ray = world_.through_lens(ray, stream.apart(first_lens_dimension).next2());
+  return ray;
+}
+
 void Integrator::sample(std::span<const glm::ivec2> pixels, uint64_t index, bool counted, std::span<PixelSample> out,
                         std::span<TermSample> terms) const {
   const size_t count = pixels.size();
@@ -88,7 +94,7 @@ void Integrator::sample(std::span<const glm::ivec2> pixels, uint64_t index, bool
   streams.reserve(count), cameras.reserve(count), rays.reserve(count);
   for (const glm::ivec2 pixel : pixels) {
     streams.emplace_back(settings_.sampler, pixel.x, pixel.y, index);
-    cameras.push_back(world_.camera_ray(glm::dvec2(pixel) + streams.back().pixel(), width_px_, height_px_));
+    cameras.push_back(camera_ray(glm::dvec2(pixel) + streams.back().pixel(), streams.back()));
     rays.push_back(rounded(cameras.back()));
   }
   std::vector<std::optional<Hit>> first(count);
@@ -105,7 +111,7 @@ void Integrator::sample(std::span<const glm::ivec2> pixels, uint64_t index, bool
 
 PixelSample Integrator::sample_at(glm::dvec2 place_px, uint64_t index, TermSample* terms) const {
   SampleStream stream(settings_.sampler, int(std::floor(place_px.x)), int(std::floor(place_px.y)), index);
-  const CameraRay ray = world_.camera_ray(place_px, width_px_, height_px_);
+  const CameraRay ray = camera_ray(place_px, stream);
   return sample_along(ray, next_surface(world_, rounded(ray), true, nullptr, nullptr), stream, terms, nullptr);
 }
 

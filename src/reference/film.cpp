@@ -222,6 +222,12 @@ int next_batch(uint64_t samples, const Stop& stop) {
 
 bool refine(Film& film, const Integrator& integrator, const Stop& stop,
             const std::function<bool(const Progress&)>& report, const std::function<void()>& after_batch) {
+  return refine(
+      film, [&](uint64_t) { return Moment{&integrator}; }, stop, report, after_batch);
+}
+
+bool refine(Film& film, const std::function<Moment(uint64_t)>& moment_of, const Stop& stop,
+            const std::function<bool(const Progress&)>& report, const std::function<void()>& after_batch) {
   const auto start = std::chrono::steady_clock::now();
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
   double error = film.relative_error();
@@ -233,7 +239,10 @@ bool refine(Film& film, const Integrator& integrator, const Stop& stop,
     if (stop.spp > 0 && film.samples() >= stop.spp) return true;
     if (stop.noise > 0 && film.samples() >= least_for_noise && error <= stop.noise) return true;
     if (stop.seconds > 0 && film.samples() > first && seconds() >= stop.seconds) return true;
-    const bool added = film.add(integrator, next_batch(film.samples(), stop), [&](double done) {
+    const Moment moment = moment_of(film.samples());
+    if (!moment.integrator) return false;
+    const int count = int(std::min<uint64_t>(uint64_t(next_batch(film.samples(), stop)), moment.end - film.samples()));
+    const bool added = film.add(*moment.integrator, count, [&](double done) {
       // The time limit may cut a batch, but for the first: without it there would be no picture.
       in_time = !(stop.seconds > 0) || film.samples() == first || seconds() < stop.seconds;
       return report({film.samples(), stop.spp, done, seconds(), error}) && in_time;

@@ -95,5 +95,13 @@ int next_batch(uint64_t samples, const Stop& stop);
 // up. after_batch may save. Returns whether a limit was reached.
 bool refine(Film& film, const Integrator& integrator, const Stop& stop,
             const std::function<bool(const Progress&)>& report, const std::function<void()>& after_batch = {});
+// The same where samples are of different moments. integrator_of: for samples from that one on, up to `end`; null ends
+// the work.
+struct Moment {
+  const Integrator* integrator = nullptr;
+  uint64_t end = std::numeric_limits<uint64_t>::max();
+};
+bool refine(Film& film, const std::function<Moment(uint64_t sample)>& moment_of, const Stop& stop,
+            const std::function<bool(const Progress&)>& report, const std::function<void()>& after_batch = {});
 
 }  // namespace candela::reference

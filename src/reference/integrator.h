@@ -23,6 +23,8 @@ enum class Strategy : uint8_t { both, light, brdf };
 
 // The dimensions that lights with a size take from a stream, apart from the rest.
 inline constexpr uint32_t first_size_dimension = 1u << 23;
+// Those of the lens.
+inline constexpr uint32_t first_lens_dimension = first_size_dimension + (1u << 22);
 // Behind this optical depth e^-40 (4e-18) of the light is left.
 inline constexpr double deepest = 40;
 inline constexpr int most_fog_steps = 65536, most_fog_lights = 4096;  // their product fits an int
@@ -61,6 +63,8 @@ class Integrator {
  public:
   Integrator(const World& world, const TraceSettings& settings, int width_px, int height_px)
       : world_(world), settings_(settings), width_px_(width_px), height_px_(height_px) {}
+  // Of the camera through a place of the image, and through a point of the lens where there is one.
+  CameraRay camera_ray(glm::dvec2 place_px, const SampleStream& stream) const;
   // One sample of each of the pixels. Their camera rays go side by side (Accel::closest), so pixels that lie together
   // are quicker; what a pixel gets does not depend on the others. counted: with PixelSample::traversal, by rays alone.
   // terms: empty, or one for each pixel, to which the sample's are added. They have sums of their own, so that asking

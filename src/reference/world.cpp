@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "reference/scattering.h"
 #include "scene/draw_list.h"
@@ -155,6 +156,15 @@ CameraRay World::camera_ray(glm::dvec2 pixel, int width_px, int height_px) const
   (view.perspective ? ray.direction : ray.origin) += across;
   ray.t_min = view.near_m;
   if (!view.perspective) ray.t_max = view.far_m;
+  return ray;
+}
+
+CameraRay World::through_lens(CameraRay ray, glm::dvec2 u) const {
+  const glm::dmat3 axes = glm::transpose(glm::dmat3(input_.view.view_from_relative));
+  const double radius_m = input_.lens_radius_m * std::sqrt(u.x), angle = 2 * std::numbers::pi * u.y;
+  const glm::dvec3 point = radius_m * (std::cos(angle) * axes[0] + std::sin(angle) * axes[1]);
+  ray.origin += point;
+  ray.direction -= point / input_.focus_m;
   return ray;
 }
 

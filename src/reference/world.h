@@ -39,6 +39,8 @@ struct WorldInput {
   std::optional<Occlusion> occlusion{};  // in direct, what is farther off does not hide the sky; path knows no such end
   bool reflections = false;              // in direct, opaque surfaces reflect each other; path knows nothing else
   bool open_sides = false;               // light passes single-sided faces from behind (--sides)
+  // Of a perspective camera: radius of its lens's opening (0: a pinhole), and how far its plane of focus lies.
+  double lens_radius_m = 0, focus_m = std::numeric_limits<double>::infinity();
 };
 
 // A ray with directions in double; the acceleration structure gets it rounded.
@@ -81,6 +83,10 @@ class World {
   }
 
   CameraRay camera_ray(glm::dvec2 pixel, int width_px, int height_px) const;
+  bool has_lens() const { return input_.lens_radius_m > 0 && input_.view.perspective; }
+  // The same ray from a point of the lens, two numbers in [0, 1): both meet on the plane of focus (Cook, Porter and
+  // Carpenter, "Distributed Ray Tracing", 1984).
+  CameraRay through_lens(CameraRay ray, glm::dvec2 u) const;
   // How it changes from pixel to pixel, to the right and down.
   RayDifferential camera_steps(int width_px, int height_px) const;
   glm::dvec4 background(glm::dvec3 direction) const;  // of a camera ray that meets nothing

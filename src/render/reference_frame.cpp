@@ -8,6 +8,9 @@
 #include "base/text.h"
 #include "job/background.h"
 #include "job/content_hash.h"
+#include "job/job_look.h"
+#include "job/picture_camera.h"
+#include "passes/post/subframes.h"
 #include "plan/choose_sides.h"
 #include "reference/leaf_view.h"
 #include "render/id_names.h"
@@ -194,6 +197,7 @@ Expected<std::unique_ptr<ReferenceFrame>> pose_reference(std::shared_ptr<const R
   auto look = look_at(*frame->loaded, time_s);
   if (!look) return std::unexpected(look.error());
   frame->look = std::move(*look);
+  expose_by_camera(job, frame->look);
   auto posed = pose_scene(scene, job, time_s, frame->look.lights.radius_m);
   if (!posed) return std::unexpected(posed.error());
   frame->pose = std::move(posed->pose), frame->view = std::move(posed->view), frame->data = std::move(posed->data);
@@ -210,6 +214,13 @@ Expected<std::unique_ptr<ReferenceFrame>> pose_reference(std::shared_ptr<const R
   input.fog = frame->look.fog;
   input.more_fog = frame->look.more_fog;
   input.volumetric = frame->look.volumetric;
+  const auto camera = picture_camera(job, frame->look);
+  if (!camera) return std::unexpected(camera.error());
+  if (camera->lens) {
+    const auto focus = focus_m(scene, *camera->lens, frame->pose, frame->view);
+    if (!focus) return std::unexpected(focus.error());
+    input.lens_radius_m = lens_radius_m(*camera->lens, frame->view), input.focus_m = *focus;
+  }
   input.occlusion = frame->look.occlusion;
   input.reflections = frame->look.reflections.has_value() || !frame->look.probes.empty();
   if (const FrameSky sky = frame->loaded->sky->at(frame->look, frame->data, frame->notes)) {
@@ -285,6 +296,10 @@ Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const referen
   picture.cut_outs = job.cut_outs, picture.up = job.up, picture.sides = job.sides;
   picture.sky = job.sky.empty() || is_sky_word(job.sky) ? job.sky : "sky";
   picture.look = job.look.empty() ? "" : "look";
+  picture.shutter_s = job.shutter_s, picture.f_stop = job.f_stop, picture.focus = job.focus;
+  picture.sensor_mm = job.sensor_mm, picture.motion_s = job.motion_s, picture.effects = job.effects;
+  for (const KnobSetting& setting : job.settings)
+    if (setting.pass == Subframes::Knobs::name) picture.settings.push_back(setting);
   return hash128(fmt::format("candela reference {}\n{}\n{}\n{}\n{:a}{}", CANDELA_VERSION, job_json(picture),
                              settings_json(settings, accel), frame.scene_content().hex(), frame.time_s,
                              with_terms ? "\nterms" : ""));

@@ -6,6 +6,8 @@
 #include "image/prepare.h"
 #include "job/background.h"
 #include "job/job_look.h"
+#include "job/picture_camera.h"
+#include "plan/ask_frame.h"
 #include "reference/display.h"
 #include "render/count_view.h"
 #include "render/metadata.h"
@@ -80,7 +82,64 @@ BegunFilm begin_film(const Job& job, const ReferenceFrame& frame, const TraceReq
   const reference::FilmParts parts = film_parts(frame, layers);
   Hash128 identity = film_identity(job, frame, request.settings, request.accel, parts.terms);
   if (parts.lamp_shadow) identity = hash128(identity.hex() + " shadow_local");
+  // Which samples are of which moment depends on their number.
+  if (const auto camera = picture_camera(job, frame.look); camera && camera->shutter_s > 0)
+    identity = hash128(fmt::format("{} {} spp", identity.hex(), request.stop.spp));
   return {reference::Film(job.width_px, job.height_px, parts), identity, parts};
+}
+
+Expected<TracedMoments> TracedMoments::open(const ReferenceFrame& frame, const Job& job, const TraceRequest& request) {
+  TracedMoments moments;
+  moments.frame_ = &frame, moments.job_ = job, moments.request_ = request;
+  const auto camera = picture_camera(job, frame.look);
+  if (!camera) return std::unexpected(camera.error());
+  if (!(camera->shutter_s > 0)) return moments;
+  Job drawn = job;
+  drawn.technique = Job().technique;
+  drawn.settings.push_back({std::string(SubframesKnobs::name), "gather", "0"});
+  const GeometryLayout none;
+  PlanContext context{frame.scene(), none};
+  if (frame.loaded->look) context.look = &*frame.loaded->look;
+  const auto frames = subframes_of(drawn, context, frame.time_s);
+  if (!frames) return std::unexpected(frames.error());
+  for (const Subframe& subframe : *frames)
+    if (subframe.role == SubframePart::Role::subframe) moments.times_s_.push_back(subframe.time_s);
+  if (request.stop.spp == 0)
+    return fail(ErrorKind::usage, "--spp", "an open shutter shares the samples out to {} moments: give their number",
+                moments.times_s_.size());
+  if (request.stop.spp < moments.times_s_.size()) {
+    // As many moments as samples, spread over the shutter.
+    std::vector<double> fewer;
+    for (uint64_t i = 0; i < request.stop.spp; ++i)
+      fewer.push_back(moments.times_s_[(2 * i + 1) * moments.times_s_.size() / (2 * request.stop.spp)]);
+    moments.times_s_ = std::move(fewer);
+  }
+  return moments;
+}
+
+reference::Moment TracedMoments::at(uint64_t sample) {
+  const uint64_t count = times_s_.size(), spp = request_.stop.spp;
+  const auto integrator_of = [&](const ReferenceFrame& frame) {
+    integrator_.emplace(*frame.world, request_.settings, job_.width_px, job_.height_px);
+  };
+  if (count == 0) {
+    if (!integrator_) integrator_of(*frame_);
+    return {&*integrator_};
+  }
+  // Moment m has samples [m spp / count, (m + 1) spp / count).
+  size_t moment = size_t(sample * count / spp);
+  while ((moment + 1) * spp / count <= sample) ++moment;
+  if (moment != at_) {
+    integrator_.reset(), posed_.reset();
+    auto posed = pose_reference(frame_->loaded, job_, times_s_[moment], request_.accel, request_.settings.mode);
+    if (!posed) {
+      error_ = posed.error();
+      return {};
+    }
+    posed_ = std::move(*posed), at_ = moment;
+    integrator_of(*posed_);
+  }
+  return {&*integrator_, (moment + 1) * spp / count};
 }
 
 Expected<std::unique_ptr<TracedFrames>> TracedFrames::open(const Job& job, const TraceRequest& request, FrameRate rate,
@@ -113,9 +172,12 @@ Expected<std::optional<FinishedFrame>> TracedFrames::finish(int64_t number) {
   result.width_px = job_.width_px, result.height_px = job_.height_px, result.time_s = time_s_;
   result.notes = (*frame)->notes, result.warnings = (*frame)->warnings;
   reference::Film film = begin_film(job_, **frame, request_, kept_layers(job_.layers, job_.view)).film;
-  const reference::Integrator integrator(*(*frame)->world, request_.settings, film.width(), film.height());
-  reference::refine(film, integrator, request_.stop,
-                    [&](const reference::Progress&) { return !stop_ || stop_->load() == 0; });
+  auto moments = TracedMoments::open(**frame, job_, request_);
+  if (!moments) return std::unexpected(moments.error());
+  reference::refine(
+      film, [&](uint64_t sample) { return moments->at(sample); }, request_.stop,
+      [&](const reference::Progress&) { return !stop_ || stop_->load() == 0; });
+  if (moments->error()) return std::unexpected(*moments->error());
   if (stop_ && stop_->load() != 0) return std::nullopt;
   if (auto finite = check_finite(film, job_); !finite) return std::unexpected(finite.error());
   auto picture = std::make_shared<TracedPicture>();

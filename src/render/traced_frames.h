@@ -33,6 +33,26 @@ struct BegunFilm {
 BegunFilm begin_film(const Job& job, const ReferenceFrame& frame, const TraceRequest& request,
                      const std::vector<std::string>& layers);
 
+// The moments that samples of a film are of: with a shutter the frames of the picture (plan/subframes.h), each with the
+// same number of samples, one after another; else the frame alone. A point of the lens is each sample's own.
+class TracedMoments {
+ public:
+  // Error (usage): a shutter and no number of samples, or fewer than frames.
+  static Expected<TracedMoments> open(const ReferenceFrame& frame, const Job& job, const TraceRequest& request);
+  reference::Moment at(uint64_t sample);
+  const std::optional<Error>& error() const { return error_; }  // why a moment could not be posed
+
+ private:
+  const ReferenceFrame* frame_ = nullptr;
+  Job job_;
+  TraceRequest request_;
+  std::vector<double> times_s_;  // empty: the frame's own
+  std::unique_ptr<ReferenceFrame> posed_;
+  size_t at_ = size_t(-1);  // into times_s_
+  std::optional<reference::Integrator> integrator_;
+  std::optional<Error> error_;
+};
+
 // The reference as the maker of a sequence: one frame at a time, each with all cores. A frame has the pixels of
 // `candela reference` at its time.
 class TracedFrames final : public FrameMaker {

@@ -333,6 +333,41 @@ Expected<View> seen_from(const Scene& scene, const Pose& pose, const CameraReque
 
 }  // namespace
 
+int camera_node_of(const Scene& scene, const CameraRequest& request) {
+  if (request.eye || request.target || from_direction(request)) return -1;
+  if (request.camera.empty()) return node_of_camera(scene, -1);
+  return find_camera_node(scene, request.camera).value_or(-1);
+}
+
+Expected<ImageWindow> look_through(View& view, const LensPoint& point, glm::dvec2 offset_px, int width_px,
+                                   int height_px, int most_px) {
+  ImageWindow window;
+  const glm::dvec2 size(width_px, height_px);
+  glm::dvec2 shift = offset_px;
+  if (view.perspective && point.radius_m > 0) {
+    const glm::dmat3 axes = glm::transpose(glm::dmat3(view.view_from_relative));
+    view.position += point.from_middle_m.x * axes[0] + point.from_middle_m.y * axes[1];
+    // What lay at a tangent t on the plane of focus lies at t - point / focus now.
+    const glm::dvec2 px_per_tangent = 0.5 * size / glm::dvec2(view.tan_x, view.tan_y);
+    shift += glm::dvec2(-point.from_middle_m.x, point.from_middle_m.y) / point.focus_m * px_per_tangent;
+    const glm::dvec2 most = glm::ceil(point.radius_m / point.focus_m * px_per_tangent) + 1.0;
+    if (!(std::max(size.x + 2 * most.x, size.y + 2 * most.y) <= most_px))
+      return fail(ErrorKind::usage, "--focus",
+                  "the plane of focus, {:.4g} m away, is too near for an opening of {:.4g} m: frames would have to be "
+                  "{:.0f} pixels wide; focus farther away, or take a larger f-stop",
+                  point.focus_m, 2 * point.radius_m, size.x + 2 * most.x);
+    window.margin_px = most;
+    const glm::dvec2 wider = (size + 2.0 * most) / size;
+    view.tan_x *= wider.x, view.tan_y *= wider.y;
+    view.clip_from_view = perspective_reversed_infinite(view.tan_x, view.tan_y, view.near_m);
+    view = finished(std::move(view));
+  }
+  const glm::dvec2 whole = window.margin_px == glm::ivec2(0) ? glm::dvec2(0) : glm::round(shift);
+  window.first_px = window.margin_px + glm::ivec2(whole);
+  window.offset_px = shift - whole;
+  return window;
+}
+
 View view_of_face(glm::dvec3 position, int face, double tan_half, double near_m) {
   glm::dvec3 back(0);
   back[face / 2] = face % 2 == 0 ? -1 : 1;

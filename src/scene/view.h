@@ -69,6 +69,28 @@ class DrawnBounds {
 Expected<View> make_view(const Scene& scene, const Pose& pose, const CameraRequest& request, int width_px,
                          int height_px, const DrawnBounds& bounds);
 
+// The node of the file that carries the camera of a request; -1: it is none of the file's, or there is none.
+int camera_node_of(const Scene& scene, const CameraRequest& request);
+
+// A point of a thin lens, of a radius, whose plane of focus lies that far along the view axis (infinity: far away).
+struct LensPoint {
+  glm::dvec2 from_middle_m{0};  // right and up
+  double radius_m = 0, focus_m = std::numeric_limits<double>::infinity();
+};
+// Which part of a larger image is the picture, so that the plane of focus stays in its place: a whole number of pixels,
+// and what is left of the shift, within half a pixel.
+struct ImageWindow {
+  glm::ivec2 margin_px{0};  // by which the image is wider and higher, on either side
+  glm::ivec2 first_px{0};   // where the picture begins
+  glm::dvec2 offset_px{0};  // of samples against the middles of the image's pixels, right and down
+};
+// Moves a perspective view to a point of its lens and widens it by the margin that all points need: an image of the
+// margin's size shows all that a picture of width_px x height_px sheared about the plane of focus does (Haeberli and
+// Akeley 1990). offset_px: that the picture's samples shall have. Orthographic views have no lens and take the offset
+// alone. Error (usage): the plane of focus is so near that the image is larger than most_px.
+Expected<ImageWindow> look_through(View& view, const LensPoint& point, glm::dvec2 offset_px, int width_px,
+                                   int height_px, int most_px);
+
 // One of the six square views about a point: along +X, -X, +Y, -Y, +Z, -Z. tan_half: tangent of the half angle.
 View view_of_face(glm::dvec3 position, int face, double tan_half, double near_m);
 

@@ -19,6 +19,7 @@
 #include "session/draw_probes.h"
 #include "session/gpu_scene.h"
 #include "session/gpu_sky.h"
+#include "session/subframe_sums.h"
 #include "session/timeout_report.h"
 #include "session/timings.h"
 
@@ -36,6 +37,27 @@ void count_lamp_maps(const FrameLamps& lamps, Timings& timings) {
   const auto over = std::ranges::lower_bound(drawn, lamps.image->first_over());
   timings.lamp_maps_drawn = uint64_t(over - drawn.begin());
   timings.lamp_maps_over = uint64_t(drawn.end() - over);
+}
+
+// Stages and passes of a picture's frames under their names, as sums; of maps and bytes likewise.
+void add_times(const Timings& of, Timings& to) {
+  for (const auto& [stage, ms] : of.cpu_ms) to.add(stage, ms);
+  for (const gpu::PassTime& pass : of.gpu_ms) {
+    const auto same = std::ranges::find(to.gpu_ms, pass.name, &gpu::PassTime::name);
+    if (same == to.gpu_ms.end())
+      to.gpu_ms.push_back(pass);
+    else
+      same->gpu_ms += pass.gpu_ms;
+  }
+  to.frame_gpu_ms += of.frame_gpu_ms;
+  to.lamp_maps += of.lamp_maps, to.lamp_maps_drawn += of.lamp_maps_drawn, to.lamp_maps_over += of.lamp_maps_over;
+  to.uploaded_bytes += of.uploaded_bytes;
+  to.spans.insert(to.spans.end(), of.spans.begin(), of.spans.end());
+}
+
+void add_new(const std::vector<std::string>& lines, std::vector<std::string>& to) {
+  for (const std::string& line : lines)
+    if (std::ranges::find(to, line) == to.end()) to.push_back(line);
 }
 
 class DeviceSession : public Session {
@@ -67,9 +89,14 @@ class DeviceSession : public Session {
     std::vector<KnobSetting> enlarged;  // with which it would be
     bool hash_outputs = false;
     int counts = -1;
-    double submit_us = 0;  // when recording began
+    double submit_us = 0;                // when recording began
+    std::vector<FrameTicket> subframes;  // begun before it, whose mean it takes
   };
   Expected<FrameTicket> begin_job(const Job& job, double time_s, bool hash_outputs);
+  // One frame: the picture, or a part of it.
+  Expected<FrameTicket> begin_frame(const Job& job, double time_s, bool hash_outputs, const Subframe* subframe);
+  // Of all its frames, the picture's own the last.
+  static FrameResult one_picture(std::vector<Begun> frames);
   Expected<FrameTicket> begin_planned(PlannedFrame& planned, Begun& begun, bool hash_outputs);
   struct KeptImages {
     std::vector<std::shared_ptr<gpu::KeptImage>> held;
@@ -107,6 +134,7 @@ class DeviceSession : public Session {
   std::shared_ptr<gpu::KeptImage> lamp_image_;
   std::unique_ptr<gpu::FrameRunner> runner_;
   std::map<FrameTicket, Begun> begun_;
+  std::unique_ptr<SubframeSums> sums_;
 };
 
 Expected<void> DeviceSession::load() {
@@ -198,6 +226,7 @@ Expected<void> DeviceSession::open() {
     runner_ = std::make_unique<gpu::FrameRunner>(
         *device_, *bindless_, glsl::ShaderCompiler(settings_.shader_folder, cache, glsl::built_in_spirv()), cache);
     runner_->timeout_s = settings_.timeout_s;
+    sums_ = std::make_unique<SubframeSums>(*device_);
     if (settings_.kept_bytes > 0) kept_ = std::make_unique<gpu::ImageCache>(*device_, settings_.kept_bytes);
     opening_.uploaded_bytes = device_->uploaded_bytes();
   } catch (const gpu::GpuError& e) {
@@ -242,8 +271,30 @@ Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
 }
 
 Expected<FrameTicket> DeviceSession::begin_job(const Job& job, double time_s, bool hash_outputs) {
+  const auto frames = subframes_of(job, plan_context(), time_s);
+  if (!frames) return std::unexpected(frames.error());
+  if (frames->empty()) return begin_frame(job, time_s, hash_outputs, nullptr);
+  sums_->begin_picture();
+  std::vector<FrameTicket> begun;
+  for (const Subframe& frame : *frames) {
+    const auto ticket = begin_frame(job, frame.time_s, hash_outputs, &frame);
+    if (!ticket) {
+      for (const FrameTicket t : begun) (void)finish(t);
+      return ticket;
+    }
+    begun.push_back(*ticket);
+  }
+  sums_->begin_picture();
+  Begun& picture = begun_.at(begun.back());
+  picture.subframes.assign(begun.begin(), begun.end() - 1);
+  return begun.back();
+}
+
+Expected<FrameTicket> DeviceSession::begin_frame(const Job& job, double time_s, bool hash_outputs,
+                                                 const Subframe* subframe) {
   const double start = process_clock_us();
   PlanContext context = plan_context();
+  context.subframe = subframe;
   const KeptKeys kept = kept_ ? kept_->keys() : KeptKeys{};
   if (kept_) context.kept = &kept;
   const KeptLamps kept_lamps{lamp_pool_, settings_.kept_bytes};
@@ -351,6 +402,7 @@ Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun&
   t.add("compile", compiling_times.total("compile"));
   t.spans.insert(t.spans.end(), compiling_times.spans.begin(), compiling_times.spans.end());
   if (const auto prepared = runner_->prepare(planned.graph); !prepared) return std::unexpected(prepared.error());
+  sums_->import(planned.graph.plan, uploaded.imports, uploaded.keep);
   // Until the frame is handed over nobody knows what it leaves there.
   if (planned.lamps.pool) lamp_pool_ = {};
   const KeptImages kept = kept_images(planned);
@@ -393,33 +445,63 @@ Error DeviceSession::failed(const gpu::GpuError& error, const FramePlan& plan) c
 }
 
 Expected<FrameResult> DeviceSession::finish(FrameTicket ticket) {
-  const auto found = begun_.find(ticket);
-  CHECK_MSG(found != begun_.end(), "finish of a frame that was not begun");
-  Begun begun = std::move(found->second);
-  begun_.erase(found);
-  try {
-    const double start = process_clock_us();
-    gpu::FrameRun run = runner_->collect(ticket);
-    begun.result.timings.spans.push_back({"wait", "cpu", start, process_clock_us() - start});
-    take_run(std::move(run), begun);
-  } catch (const gpu::GpuError& e) {
-    return std::unexpected(failed(e, begun.result.plan));
+  CHECK_MSG(begun_.contains(ticket), "finish of a frame that was not begun");
+  std::vector<FrameTicket> tickets = begun_.at(ticket).subframes;
+  tickets.push_back(ticket);
+  std::vector<Begun> frames;
+  std::optional<Error> error;
+  for (const FrameTicket each : tickets) {
+    frames.push_back(std::move(begun_.extract(each).mapped()));
+    Begun& begun = frames.back();
+    // All are waited for, also behind an error: each ticket is collected once.
+    try {
+      const double start = process_clock_us();
+      gpu::FrameRun run = runner_->collect(each);
+      begun.result.timings.spans.push_back({"wait", "cpu", start, process_clock_us() - start});
+      take_run(std::move(run), begun);
+    } catch (const gpu::GpuError& e) {
+      if (!error) error = failed(e, begun.result.plan);
+    }
   }
-  if (!begun.refusal.empty() && chose_transparency_ && !begun.enlarged.empty()) {
+  if (error) return std::unexpected(*error);
+  const Begun& picture = frames.back();
+  const auto refused = std::ranges::find_if(frames, [](const Begun& f) { return !f.refusal.empty(); });
+  if (refused != frames.end() && chose_transparency_ && !refused->enlarged.empty()) {
     Job larger = job_;
-    larger.settings.insert(larger.settings.end(), begun.enlarged.begin(), begun.enlarged.end());
+    larger.settings.insert(larger.settings.end(), refused->enlarged.begin(), refused->enlarged.end());
     chose_transparency_ = false;  // once: what was counted does not change
-    const auto again = begin_job(larger, begun.result.time_s, begun.hash_outputs);
+    const auto again = begin_job(larger, picture.result.time_s, picture.hash_outputs);
     auto result = again ? finish(*again) : Expected<FrameResult>(std::unexpected(again.error()));
     chose_transparency_ = true;
     return result;
   }
-  if (!begun.refusal.empty()) return fail(ErrorKind::out_of_memory, "", "{}", begun.refusal);
+  if (refused != frames.end()) return fail(ErrorKind::out_of_memory, "", "{}", refused->refusal);
   if (settings_.validate)
     if (const auto messages = device_->validation_messages(); !messages.empty())
       return fail(ErrorKind::device, "", "the validation layer says ({} in all): {}", messages.size(),
                   messages.front());
-  return std::move(begun.result);
+  return one_picture(std::move(frames));
+}
+
+FrameResult DeviceSession::one_picture(std::vector<Begun> frames) {
+  FrameResult picture = std::move(frames.back().result);
+  if (frames.size() == 1) return picture;
+  Timings times;
+  std::vector<std::string> notes, warnings;
+  std::vector<gpu::PassHash> hashes;
+  for (size_t i = 0; i + 1 < frames.size(); ++i) {
+    const FrameResult& of = frames[i].result;
+    add_times(of.timings, times);
+    add_new(of.notes, notes), add_new(of.warnings, warnings);
+    hashes.insert(hashes.end(), of.hashes.begin(), of.hashes.end());
+  }
+  add_times(picture.timings, times);
+  add_new(picture.notes, notes), add_new(picture.warnings, warnings);
+  hashes.insert(hashes.end(), picture.hashes.begin(), picture.hashes.end());
+  picture.timings = std::move(times), picture.hashes = std::move(hashes);
+  picture.notes = std::move(notes), picture.warnings = std::move(warnings);
+  picture.plan_hash = hash128(frames.front().result.plan_hash.hex() + picture.plan_hash.hex());
+  return picture;
 }
 
 void DeviceSession::take_run(gpu::FrameRun run, Begun& begun) {

@@ -33,6 +33,7 @@ void add_lobes_under_skies(Recipes& all);
 void add_deep_shadows(Recipes& all);
 void add_bodies_by_faces(Recipes& all);
 void add_mirrors(Recipes& all);
+void add_shutter(Recipes& all);
 
 using std::numbers::pi;
 

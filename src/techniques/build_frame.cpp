@@ -13,6 +13,14 @@
 namespace candela {
 namespace {
 
+// One of the frames of a picture, which has its own places in the pixels and its own part of all samples.
+void become_subframe(SceneInputs& scene, const SubframePart& part) {
+  scene.is_subsample = true;
+  scene.features = with_subsample(std::move(scene.features));
+  scene.subsample = part.index, scene.subsamples = part.count;
+  scene.subsample_ndc = glm::vec2(2.0 * part.offset_px / glm::dvec2(scene.width_px, scene.height_px));
+}
+
 // The mean of a grid of pictures, each from its own point of every pixel. Lists of lights by tiles follow the depth and
 // are made for each picture, those by clusters serve all. Ambient occlusion too is made for each, with a part of its
 // samples. Terms are summed as their pictures are.
@@ -24,6 +32,7 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
   sample.features = with_subsample(scene.features);
   const uint32_t pictures = grid.x * grid.y;
   sample.subsample_footprint = 1 / std::sqrt(float(pictures));
+  sample.subsamples = scene.subsamples * pictures;
   ImageHandle sum;
   const bool divided = bool(Terms{}.needed(frame.facts, frame.request));
   if (!divided) frame.add(Terms{}, {});
@@ -34,12 +43,13 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
   };
   for (uint32_t i = 0; i < pictures; ++i) {
     const std::string instance = fmt::format("s{:02}", i);
-    sample.subsample = i, sample.subsamples = pictures;
-    sample.subsample_ndc = glm::vec2(2.0 * subsample_offset_px(grid, i) / glm::dvec2(scene.width_px, scene.height_px));
+    sample.subsample = scene.subsample * pictures + i;
+    const glm::dvec2 offset_px = subsample_offset_px(grid, i) + frame.request.part.offset_px / glm::dvec2(grid);
+    sample.subsample_ndc = glm::vec2(2.0 * offset_px / glm::dvec2(scene.width_px, scene.height_px));
     const Surfaces seen = seen_again(frame, sample, surfaces, instance);
     Lighting lit = lighting;
     if (scene.light_grid.tiled) lit = lighting.with_cells(light_cells(frame, sample, seen, instance));
-    if (shades_occluded(frame)) lit.occlusion = ambient_occlusion(frame, sample, seen.looked_up, instance, i, pictures);
+    if (shades_occluded(frame)) lit.occlusion = ambient_occlusion(frame, sample, seen.looked_up, instance);
     const Shaded shaded = technique.shade(frame, sample, seen, lit, instance);
     const Composite seen_all = composite(frame, sample, seen, lit, shaded, instance);
     sum = add(seen_all.radiance, sum, instance);
@@ -67,6 +77,7 @@ void build_frame(Frame& frame, const SceneInputs& inputs, const Technique& techn
     scene.places = items.places;
   const BufferHandle posed = frame.add(PoseLights{.on_device = scene.light_group_count > 0}, {scene}).lights;
   if (scene.light_group_count > 0) scene.lights = posed;
+  if (frame.request.part.role == SubframePart::Role::subframe) become_subframe(scene, frame.request.part);
   const Supersample::Knobs& supersample = frame.knobs.get<Supersample::Knobs>();
   const uint32_t pictures = supersample.pictures();
   const Surfaces surfaces = visible_surfaces(frame, scene);
@@ -76,7 +87,9 @@ void build_frame(Frame& frame, const SceneInputs& inputs, const Technique& techn
   TermImages terms;
   FogImages fog;
   MatteImages mattes;
-  if (pictures > 1) {
+  if (frame.request.part.role == SubframePart::Role::mean) {
+    matte_ids(frame, scene, surfaces, mattes);
+  } else if (pictures > 1) {
     radiance = supersampled(frame, scene, technique, surfaces, lighting, supersample.grid(), terms, fog, mattes);
   } else {
     frame.add(Supersample{}, {});

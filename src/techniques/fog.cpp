@@ -71,11 +71,18 @@ FogImages fog_layers(Frame& frame, const SceneInputs& scene, const Surfaces& sur
 }
 
 void publish_fog(Frame& frame, const SceneInputs& scene, const FogImages& images) {
+  const SubframePart::Role role = frame.request.part.role;
   for (size_t i = 0; i < images.size(); ++i) {
-    if (!images[i]) continue;
     const std::string layer(FogLayers::layers[i].name);
+    if (role == SubframePart::Role::mean && frame.request.has_layer(layer) && frame.request.draws_fog())
+      frame.builder.publish(layer, mean_of(frame, scene, layer));
+    if (!images[i]) continue;
     const Resolve::In in{images[i], scene.width_px, scene.height_px, scene.samples};
-    frame.builder.publish(layer, newest(frame.add(Resolve{}, in, layer).resolved, images[i]));
+    const ImageHandle resolved = newest(frame.add(Resolve{}, in, layer).resolved, images[i]);
+    if (role == SubframePart::Role::subframe)
+      add_to_sum(frame, scene, layer, resolved);
+    else
+      frame.builder.publish(layer, resolved);
   }
 }
 

@@ -112,13 +112,13 @@ void shadow_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surface
 }
 
 OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, const SampledDepth& depth,
-                                  std::string_view instance, uint32_t index, uint32_t count) {
+                                  std::string_view instance) {
   AmbientOcclusion pass;
   pass.knobs = frame.knobs.get<AmbientOcclusion::Knobs>();
   AmbientOcclusion::In in{scene, depth};
   in.look = frame.request.look.occlusion.value_or(Occlusion{});
   in.seed = frame.request.still_seed;
-  in.subsample = index, in.subsamples = count;
+  in.subsample = scene.subsample, in.subsamples = scene.subsamples;
   return {frame.add(pass, in, instance).open, pass.shape(scene), pass.traced(frame.facts, frame.request)};
 }
 

@@ -2,7 +2,10 @@
 
 #include "passes/post/bloom.h"
 #include "passes/post/exposure.h"
+#include "passes/post/motion_blur.h"
 #include "passes/post/resolve.h"
+#include "passes/post/smooth_edges.h"
+#include "passes/post/subframes.h"
 #include "passes/post/tonemap.h"
 #include "passes/shared/frame_request.h"
 #include "passes/shared/light_lists.h"
@@ -44,12 +47,17 @@ BloomPass::In bloom_in(const Frame& frame, const SceneInputs& scene, ImageHandle
   return in;
 }
 
+ImageHandle published(const Frame& frame, std::string_view name) {
+  for (const auto& [layer, image] : frame.builder.published())
+    if (layer == name) return image;
+  return {};
+}
+
 // A layer of light in the place of beauty, exposed as beauty is.
 void show_layer(const Frame& frame, Tonemap::In& shown) {
   shown.color = {};
   shown.covers = true;
-  for (const auto& [layer, image] : frame.builder.published())
-    if (layer == frame.request.view) shown.color = image;
+  shown.color = published(frame, frame.request.view);
 }
 
 }  // namespace
@@ -57,23 +65,45 @@ void show_layer(const Frame& frame, Tonemap::In& shown) {
 void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
           ImageHandle radiance, bool resolved, ImageHandle emission) {
   const FrameRequest& request = frame.request;
+  const bool is_mean = request.part.role == SubframePart::Role::mean;
   ImageHandle picture = radiance;
   if (resolved)
     frame.builder.leave_out(std::string(Resolve::name), "surfaces are shaded and resolved at once (shade_visible)");
-  else
+  else if (!is_mean)
     picture =
         newest(frame.add(Resolve{}, {radiance, scene.width_px, scene.height_px, scene.samples}).resolved, radiance);
   VolumetricLight::In volumetric{scene, picture, surfaces.looked_up, lighting.unoccluded()};
   volumetric.look = frame.request.look.volumetric.value_or(Volumetric{});
   volumetric.layer_wanted = frame.request.has_layer("volumetric");
-  const ImageHandle linear = newest(frame.add(VolumetricLight{}, volumetric).color, picture);
+  const VolumetricLight::Out aired = is_mean ? VolumetricLight::Out{} : frame.add(VolumetricLight{}, volumetric);
+  ImageHandle linear = newest(aired.color, picture);
+  if (request.part.role == SubframePart::Role::subframe) {
+    add_to_sum(frame, scene, "beauty", linear);
+    add_to_sum(frame, scene, "volumetric", aired.layer);
+    return;
+  }
+  frame.add(Subframes{}, {});
+  if (is_mean) {
+    linear = picture = mean_of(frame, scene, "beauty");
+    if (request.draws_volumetric() && volumetric.layer_wanted)
+      frame.builder.publish("volumetric", mean_of(frame, scene, "volumetric"));
+  } else {
+    frame.add(SubframesMean{}, {});
+  }
+  MotionBlur::In moved{scene, linear, {}, surfaces.looked_up};
+  moved.motion = published(frame, "motion");
+  moved.share = float(request.motion_share), moved.seed = request.noise_seed;
+  linear = newest(frame.add(MotionBlur{}, moved).color, linear);
+  SmoothEdges::In edges{linear, scene.width_px, scene.height_px,
+                        std::exp2(request.exposure_ev - request.pre_exposure_ev)};
+  linear = newest(frame.add(SmoothEdges{}, edges).color, linear);
   const ImageHandle bloomed = newest(frame.add(BloomPass{}, bloom_in(frame, scene, linear, emission)).color, linear);
   Tonemap::In shown = tonemap_in(frame, scene, bloomed);
   if (frame.request.view != "beauty") show_layer(frame, shown);
   shown.automatic = frame.add(Exposure{}, exposure_in(frame, scene, linear)).exposure;
   // Where nothing else reads the resolved picture, its samples are read once, and it is left out.
   const bool only_shown = !request.want_linear && !request.look_nonfinite && !shown.automatic;
-  if (only_shown && shown.color == picture && picture != radiance)
+  if (only_shown && !is_mean && shown.color == picture && picture != radiance)
     shown.color = radiance, shown.samples = scene.samples;
   const ImageHandle display = frame.add(Tonemap{}, shown).display;
 

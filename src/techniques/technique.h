@@ -54,10 +54,10 @@ struct FrameLighting {
 };
 FrameLighting light_surfaces(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, uint32_t pictures);
 
-// How open to the sky the opaque and masked surfaces of a depth are. `index`: which of `count` samples of a
-// supersampled frame the depth is of; each has its own part of the slices.
+// How open to the sky the opaque and masked surfaces of a depth are. Of several samples of a pixel each has its own
+// part of the slices (SceneInputs::subsample).
 OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, const SampledDepth& depth,
-                                  std::string_view instance = {}, uint32_t index = 0, uint32_t count = 1);
+                                  std::string_view instance = {});
 // Whether shading takes it; it may be made for its layer alone.
 bool shades_occluded(const Frame& frame);
 
@@ -117,6 +117,15 @@ using MatteImages = std::array<ImageHandle, matte_count>;
 void matte_ids(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, MatteImages& images,
                std::string_view instance = {});
 void publish_mattes(Frame& frame, const SceneInputs& scene, const MatteImages& images, uint32_t pictures);
+
+// A picture of several frames (passes/post/subframes.h): a subframe adds its images to sums of their names, which
+// whoever runs the frames keeps for the next and clears before none; the last frame takes them.
+void add_to_sum(Frame& frame, const SceneInputs& scene, const std::string& name, ImageHandle image);
+ImageHandle mean_of(Frame& frame, const SceneInputs& scene, const std::string& name);
+// Whether a layer is light, so that those of subframes are summed; of others the picture's own time has one.
+bool is_summed(std::string_view layer);
+// The sums' buffers in a plan: what a frame takes of those before it, and what it leaves to the next.
+inline constexpr std::string_view sum_before = "sum_before.", sum_after = "sum.";
 
 // The sinks of the frame: beauty, display output and layers, as far as they are asked for, each as it is or, for files,
 // as they hold it.

@@ -41,12 +41,21 @@ TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfac
 }
 
 TermImages publish_terms(Frame& frame, const SceneInputs& scene, TermImages terms) {
+  const SubframePart::Role role = frame.request.part.role;
   for (uint32_t i = 0; i < term_count; ++i) {
+    if (role == SubframePart::Role::mean && frame.request.wants_term(Terms::layers[i].name)) {
+      terms[i] = mean_of(frame, scene, std::string(Terms::layers[i].name));
+      frame.builder.publish(std::string(Terms::layers[i].name), terms[i]);
+      continue;
+    }
     if (!terms[i]) continue;
     const std::string layer(Terms::layers[i].name);
     const Resolve::In in{terms[i], scene.width_px, scene.height_px, scene.samples};
     terms[i] = newest(frame.add(Resolve{}, in, layer).resolved, terms[i]);
-    frame.builder.publish(layer, terms[i]);
+    if (role == SubframePart::Role::subframe)
+      add_to_sum(frame, scene, layer, terms[i]);
+    else
+      frame.builder.publish(layer, terms[i]);
   }
   return terms;
 }

@@ -5,7 +5,7 @@
 namespace candela {
 
 Need MotionLayer::needed(const SceneFacts&, const FrameRequest& request) const {
-  return needed_if(request.has_layer("motion"), "the layer motion is not wanted (--layers)");
+  return needed_if(request.wants_motion(), "nobody asks how far surfaces move (--layers motion, subframes.gather)");
 }
 
 MotionLayer::Out MotionLayer::declare(GraphBuilder& builder, const In& in) const {

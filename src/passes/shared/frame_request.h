@@ -5,9 +5,25 @@
 #include <string_view>
 #include <vector>
 
+#include <glm/glm.hpp>
+
 #include "look/look.h"
 
 namespace candela {
+
+// What a frame is of a picture with a shutter or a lens (passes/post/subframes.h).
+struct SubframePart {
+  enum class Role : uint8_t {
+    whole,     // the picture is this frame
+    subframe,  // one of those that the picture is the mean of
+    mean,      // it takes the sum of them, and is the picture from there on
+  };
+  Role role = Role::whole;
+  uint32_t index = 0, count = 1;    // of a subframe
+  glm::dvec2 offset_px{0};          // of its samples against the middles of pixels, right and down
+  glm::ivec2 first_px{0};           // of the frame: where the picture begins
+  int width_px = 0, height_px = 0;  // of the picture
+};
 
 // What the job wants of the frame.
 struct FrameRequest {
@@ -39,7 +55,11 @@ struct FrameRequest {
   bool open_sides = false;       // light passes single-sided faces from behind
   std::string effects = "auto";  // auto, none, or names of effects separated by commas
   Look look;                     // of the frame's time
-  bool neutral_light = false;    // no light and no sky: light the object so that it is seen
+  SubframePart part;
+  // Of the motion since the frame before, for which a shutter is open that one frame has (passes/post/motion_blur.h);
+  // 0: none.
+  double motion_share = 0;
+  bool neutral_light = false;  // no light and no sky: light the object so that it is seen
   // Whether an effect is wanted that belongs to the truth of a scene (shadows, occlusion): from quality normal up.
   bool wants_true(std::string_view effect) const {
     return effects == "auto" ? quality != "draft" : names_effect(effect);
@@ -62,6 +82,7 @@ struct FrameRequest {
   bool wants_term(std::string_view name) const {
     return has_layer(name) || (name == "emission" && look.bloom && look.bloom->of_emission && draws_bloom());
   }
+  bool wants_motion() const { return has_layer("motion") || motion_share > 0; }
   bool draws_fog() const { return look.fog && wants_looked("fog", true); }
   bool draws_probes() const { return !look.probes.empty() && wants_looked("probes", true); }
   bool draws_volumetric() const { return look.volumetric && wants_looked("volumetric", true); }

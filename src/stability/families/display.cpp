@@ -143,6 +143,7 @@ std::vector<StabilityRecipe> stability_recipes(const std::vector<std::pair<int, 
   stability::add_deep_shadows(all);
   stability::add_bodies_by_faces(all);
   stability::add_mirrors(all);
+  stability::add_shutter(all);
   return all;
 }
 

@@ -1,0 +1,37 @@
+#pragma once
+#include "passes/shared/pass.h"
+
+namespace candela {
+
+// Anti-aliasing after the fact, of a picture with one sample a pixel: morphological, as SMAA 1x without its diagonals
+// (Jimenez, Echevarria, Sousa and Gutierrez, "SMAA: Enhanced Subpixel Morphological Antialiasing", 2012), with the
+// areas by their formula in the place of a table (Reshetov, "Morphological Antialiasing", 2009). Three steps: edges
+// between pixels whose exposed luminance differs; for each edge its two ends and what crosses it there, which say where
+// the line it stands for runs and which part of the pixels beside it that covers; the pixels mixed by these parts.
+// Linear radiance in and out, alpha with it. Leaves wrong: what one sample a pixel missed (thin things, shading, edges
+// within a pixel) it cannot know.
+struct SmoothEdges {
+  static constexpr std::string_view name = "smooth_edges";
+  struct Knobs {
+    static constexpr std::string_view name = "smooth_edges";
+    int reach_px = 0;
+    float threshold = 0.1f;
+    static std::span<const Knob> table();
+  };
+  struct In {
+    ImageHandle color;
+    uint32_t width_px = 0, height_px = 0;
+    float exposure = 1;  // of the color, as it is shown
+  };
+  struct Out {
+    ImageHandle edges, parts, color;
+    std::array<PipelineHandle, 3> pipelines;
+  };
+  bool ignores(std::string_view knob) const { return knob == "threshold" && knobs.reach_px == 0; }
+  Need needed(const SceneFacts& facts, const FrameRequest& request) const;
+  Out declare(GraphBuilder& builder, const In& in) const;
+  void record(CommandList& commands, const In& in, const Out& out) const;
+  Knobs knobs;
+};
+
+}  // namespace candela

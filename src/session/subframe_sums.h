@@ -1,0 +1,30 @@
+#pragma once
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gpu/resources.h"
+#include "graph/plan.h"
+
+namespace candela {
+
+// The sums of a picture's frames (passes/post/subframes.h) from one frame to the next, by the names that plans have for
+// them: a frame takes one buffer and leaves another.
+class SubframeSums {
+ public:
+  explicit SubframeSums(gpu::Device& device) : device_(device) {}
+  void begin_picture() { before_.clear(), after_.clear(); }
+  // The buffers of a frame's plan, in the order in which frames are handed to the device. keep: lives until the device
+  // is done with the frame. Throws GpuError.
+  void import(const FramePlan& plan, std::map<int, const gpu::Buffer*>& imports,
+              std::vector<std::shared_ptr<const void>>& keep);
+
+ private:
+  std::shared_ptr<gpu::Buffer> buffer_of(uint64_t bytes);
+  gpu::Device& device_;
+  std::map<std::string, std::shared_ptr<gpu::Buffer>, std::less<>> before_, after_;
+  std::vector<std::shared_ptr<gpu::Buffer>> spare_;  // those that no frame holds are taken again
+};
+
+}  // namespace candela

@@ -8,6 +8,7 @@
 #include "base/file_uses.h"
 #include "image/cube_faces.h"
 #include "job/job.h"
+#include "look/motion.h"
 #include "render/frame_names.h"
 
 namespace candela::cli {
@@ -21,6 +22,9 @@ const std::map<std::string, FileUse>& uses_of_options() {
       {"scene", FileUse::scene},
       {"--sky", FileUse::sky},
       {"--look", FileUse::read},
+      {"--camera-path", FileUse::path},
+      {"--path", FileUse::path},
+      {"--instances", FileUse::instances},
       {"--config", FileUse::read},
       {"--sweep", FileUse::read},
       {"--audio", FileUse::read},
@@ -84,6 +88,17 @@ void add_read(const std::string& shown, FileUse use, const std::string& value, s
   if (use == FileUse::sky && names_cube_faces(value)) {
     if (const auto faces = cube_face_files(value))
       for (const fs::path& face : *faces) read.push_back({shown, face});
+    return;
+  }
+  if (use == FileUse::path) {
+    const bool of_camera = shown == "--camera-path";
+    if (const auto path = of_camera ? parse_path(shown, "camera", value) : parse_node_path(shown, value))
+      for (const std::string& file : {path->points, path->times})
+        if (!file.empty()) read.push_back({shown, file});
+    return;
+  }
+  if (use == FileUse::instances) {
+    if (const auto instances = parse_instances(shown, value)) read.push_back({shown, instances->file});
     return;
   }
   read.push_back({shown, value});

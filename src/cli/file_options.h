@@ -17,6 +17,8 @@ enum class FileUse : uint8_t {
   read,             //
   scene,            // read, and the look file beside it
   sky,              // read: an image, or six
+  path,             // read: FILE,times=FILE, a name before it or not
+  instances,        // read: NODE=FILE
   read_folder,      // all that is in it
   searched_folder,  // files in it are read where other files name them
   written,          // "-" is stdout

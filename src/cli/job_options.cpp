@@ -155,6 +155,27 @@ void add_picture_options(CLI::App& command, JobOptions& o, Renderer renderer) {
 
 }  // namespace
 
+namespace {
+void add_motion_options(CLI::App& command, JobOptions& o) {
+  command
+      .add_option("--camera-path", o.camera_path,
+                  "The camera goes along a B-spline over the points of a file: FILE[,times=FILE][,closed]... "
+                  "(docs/paths.md)")
+      ->type_name("FILE,...");
+  command
+      .add_option("--path", o.paths,
+                  "A node by name, or 'light NAME', goes along one: NODE=FILE[,times=FILE]...; may be given again")
+      ->allow_extra_args(false)
+      ->type_name("NODE=FILE,...");
+  command
+      .add_option("--instances", o.instances,
+                  "A node's mesh is drawn once for each three vectors of a file: NODE=FILE[,rotation=zyx]"
+                  "[,units=radians][,order=trs]; may be given again")
+      ->allow_extra_args(false)
+      ->type_name("NODE=FILE,...");
+}
+}  // namespace
+
 void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   command.add_option("scene", o.scene, "glTF file, .gltf or .glb")->type_name("SCENE");
   command
@@ -200,6 +221,7 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
       ->check(CLI::Range(1, 1000000))
       ->type_name("N");
   add_shutter_options(command, o);
+  add_motion_options(command, o);
   command.add_option("--size", o.size, "Size of the image in pixels, or 720p, 1080p, 1440p, 4k or 8k")
       ->capture_default_str()
       ->type_name("WxH");
@@ -369,6 +391,21 @@ Expected<std::optional<glm::dvec3>> parse_point(const char* option, const std::s
   return std::optional<glm::dvec3>{point};
 }
 
+Expected<void> read_motion(const JobOptions& o, Job& job) {
+  const auto add = [](auto parsed, auto& to) -> Expected<void> {
+    if (!parsed) return std::unexpected(parsed.error());
+    to.push_back(std::move(*parsed));
+    return {};
+  };
+  if (!o.camera_path.empty())
+    if (auto read = add(parse_path("--camera-path", "camera", o.camera_path), job.paths); !read) return read;
+  for (const std::string& text : o.paths)
+    if (auto read = add(parse_node_path("--path", text), job.paths); !read) return read;
+  for (const std::string& text : o.instances)
+    if (auto read = add(parse_instances("--instances", text), job.instances); !read) return read;
+  return {};
+}
+
 Expected<void> read_texts(const JobOptions& o, Job& job) {
   const auto size = parse_size(o.size);
   if (!size) return std::unexpected(Error{ErrorKind::usage, size.error().message, "--size"});
@@ -474,6 +511,7 @@ Expected<Job> job_of(const JobOptions& o) {
   job.timings_in_metadata = o.metadata_timings;
   job.allow_nonfinite = o.allow_nonfinite;
   if (auto read = read_texts(o, job); !read) return std::unexpected(read.error());
+  if (auto read = read_motion(o, job); !read) return std::unexpected(read.error());
   if (auto checked = check_job(job); !checked) return std::unexpected(checked.error());
   if (o.exposure != auto_exposure) return job;
   const auto ev = metered_ev(job);

@@ -18,7 +18,8 @@ struct JobOptions {
                      shading = "pbr", cut_outs = "blended", variant, probe, tonemap, view = "beauty", layers,
                      background = "transparent", exr_type = "half", exr_compression = "zip", fps = "24", device,
                      shader_folder, config;
-  std::vector<std::string> settings;
+  std::vector<std::string> settings, paths, instances;
+  std::string camera_path;
   std::optional<double> yfov_deg, azimuth_deg, elevation_deg;
   bool fit = false, follow = false;
   int turntable = 0;  // frames of a turn

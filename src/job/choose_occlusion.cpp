@@ -20,10 +20,10 @@ uint64_t triangles(const Scene& scene) {
   });
 }
 
-// Whether an animation of the scene moves what is drawn, and not cameras, lights or materials alone.
-bool surfaces_move(const Scene& scene) {
+// Whether an animation of the scene or a path moves what is drawn, and not cameras, lights or materials alone.
+bool surfaces_move(const Scene& scene, bool animated) {
   AnimationChoice all;
-  for (size_t a = 0; a < scene.animations.size(); ++a) all.animations.push_back(int(a));
+  for (size_t a = 0; animated && a < scene.animations.size(); ++a) all.animations.push_back(int(a));
   const std::vector<bool> moving = moving_nodes(scene, all);
   return std::ranges::any_of(scene.order, [&](int n) { return scene.nodes[size_t(n)].mesh >= 0 && moving[size_t(n)]; });
 }
@@ -32,7 +32,7 @@ bool surfaces_move(const Scene& scene) {
 
 ChosenOcclusion choose_occlusion(const Scene& scene, const std::string& animation) {
   const uint64_t count = triangles(scene);
-  const bool moves = animation != "none" && surfaces_move(scene);
+  const bool moves = surfaces_move(scene, animation != "none");
   const auto is_field = [](const Node& n) { return n.mesh >= 0 && n.instances != nullptr; };
   const bool fields =
       std::ranges::any_of(scene.nodes, is_field);  // the device may pose them, and trees need the host's

@@ -64,6 +64,8 @@ std::string job_json(const Job& job) {
   if (job.effects != "auto") j["effects"] = job.effects;
   if (!job.sky.empty()) j["sky"] = job.sky;
   if (!job.look.empty()) j["look"] = job.look;
+  for (const PathRequest& path : job.paths) j["paths"].push_back(path_json(path));
+  for (const InstancesRequest& instances : job.instances) j["instances"].push_back(instances_json(instances));
   if (job.shading != Job().shading) j["shading"] = job.shading;
   if (!job.variant.empty()) j["variant"] = job.variant;
   if (job.up != Job().up) j["up"] = job.up;
@@ -168,6 +170,19 @@ std::string read_layers(const Json& v, Job& job) {
   return {};
 }
 
+template <class T>
+Reader motion_into(std::vector<T> Job::*member, Expected<T> (*read)(const Json&, const std::string&)) {
+  return [=](const Json& v, Job& job) -> std::string {
+    if (!v.is_array()) return "is not a list";
+    for (const Json& entry : v) {
+      auto value = read(entry, "");
+      if (!value) return "is refused: " + value.error().text();
+      (job.*member).push_back(std::move(*value));
+    }
+    return {};
+  };
+}
+
 const std::map<std::string, Reader>& readers() {
   static const std::map<std::string, Reader> table = {
       {"scene", text_into(&Job::scene)},
@@ -215,6 +230,8 @@ const std::map<std::string, Reader>& readers() {
       {"effects", text_into(&Job::effects)},
       {"sky", text_into(&Job::sky)},
       {"look", text_into(&Job::look)},
+      {"paths", motion_into(&Job::paths, path_from_json)},
+      {"instances", motion_into(&Job::instances, instances_from_json)},
       {"shading", text_into(&Job::shading)},
       {"variant", text_into(&Job::variant)},
       {"cut_outs", text_into(&Job::cut_outs)},
@@ -318,12 +335,21 @@ Expected<KnobSetting> parse_knob_setting(const std::string& text) {
   return setting;
 }
 
+void forget_motion_files(Job& job) {
+  for (PathRequest& path : job.paths) {
+    path.points = "points";
+    if (!path.times.empty()) path.times = "times";
+  }
+  for (InstancesRequest& instances : job.instances) instances.file = "instances";
+}
+
 Hash128 frame_identity(const Job& job, const std::string& scene_content, const std::string& device, double time_s) {
   // The files' content is hashed, so where they lie does not matter.
   Job nowhere = job;
   nowhere.scene.clear();
   if (!nowhere.sky.empty() && !is_sky_word(nowhere.sky)) nowhere.sky = "sky";
   if (!nowhere.look.empty()) nowhere.look = "look";
+  forget_motion_files(nowhere);
   return hash128(
       fmt::format("candela {}\n{}\n{}\n{}\n{:a}", CANDELA_VERSION, job_json(nowhere), scene_content, device, time_s));
 }

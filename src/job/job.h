@@ -8,6 +8,7 @@
 #include "base/hash.h"
 #include "base/knob.h"
 #include "image/io.h"
+#include "look/motion.h"
 #include "scene/view.h"
 
 namespace candela {
@@ -40,7 +41,9 @@ struct Job {
   // Equirectangular .hdr or .exr, six faces, or a word (is_sky_word). Empty: the look's; where there is no light
   // either, the neutral one.
   std::string sky;
-  std::string look;                  // look file
+  std::string look;                // look file
+  std::vector<PathRequest> paths;  // before those of the look, which drive what these do not
+  std::vector<InstancesRequest> instances;
   std::string shading = "pbr";       // how surfaces answer light (scene/shading.h)
   std::string cut_outs = "blended";  // blended materials that hide all or nothing (scene/cut_outs.h)
   std::string sides = "auto";        // light from behind single-sided faces: block, open, or by the scene
@@ -83,6 +86,8 @@ Expected<void> check_job(const Job& job);
 // Whether files of these layers keep what they must: Cryptomatte's ids are the bits of 32-bit floats, which some
 // compressions change.
 Expected<void> check_compression(const std::vector<std::string>& layers, ExrCompression compression);
+// The names of its motion files, whose contents count instead where pictures are told apart.
+void forget_motion_files(Job& job);
 // Identity of a frame's picture: the job, the scene's and the sky's content as hex digits, the device and the version.
 Hash128 frame_identity(const Job& job, const std::string& scene_content, const std::string& device, double time_s);
 

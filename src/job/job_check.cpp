@@ -66,6 +66,19 @@ Expected<void> check_direction(const CameraRequest& camera) {
   return {};
 }
 
+Expected<void> check_camera_path(const Job& job) {
+  if (std::ranges::none_of(job.paths, [](const PathRequest& path) { return path.target == "camera"; })) return {};
+  const CameraRequest& camera = job.camera;
+  for (const auto& [option, given] : {std::pair("--eye", camera.eye.has_value()),
+                                      {"--azimuth", camera.azimuth_deg.has_value()},
+                                      {"--elevation", camera.elevation_deg.has_value()},
+                                      {"--turntable", camera.turn_s > 0},
+                                      {"--fit", camera.fit}})
+    if (given)
+      return fail(ErrorKind::usage, option, "places the camera, and so does --camera-path: give one of the two");
+  return {};
+}
+
 }  // namespace
 
 Expected<void> check_compression(const std::vector<std::string>& layers, ExrCompression compression) {
@@ -100,6 +113,7 @@ Expected<void> check_job(const Job& job) {
     return fail(ErrorKind::usage, "--yfov", "{} is outside 0 to 180 degrees", *job.camera.yfov_deg);
   if (auto good = check_direction(job.camera); !good) return good;
   if (auto good = check_shutter(job); !good) return good;
+  if (auto good = check_camera_path(job); !good) return good;
   static const std::vector<std::string> qualities = {"draft", "normal", "high", "exact"};
   if (job.technique != auto_technique)
     if (auto known = check_name("--technique", "technique", job.technique, technique_names()); !known) return known;

@@ -367,9 +367,10 @@ Row<Look> shutter_row() {
 }  // namespace
 
 const Rows<Look>& look_rows::look_table() {
-  static const Rows<Look> rows = {fog_row(),         sun_row(),      lights_row(), sky_row(),     bloom_row(),
-                                  occlusion_row(),   exposure_row(), tone_row(),   shadows_row(), volumetric_row(),
-                                  reflections_row(), probes_row(),   lens_row(),   shutter_row()};
+  static const Rows<Look> rows = {fog_row(),     sun_row(),        lights_row(),      sky_row(),
+                                  bloom_row(),   occlusion_row(),  exposure_row(),    tone_row(),
+                                  shadows_row(), volumetric_row(), reflections_row(), probes_row(),
+                                  lens_row(),    shutter_row(),    paths_row(),       instances_row()};
   return rows;
 }
 
@@ -404,6 +405,8 @@ std::vector<std::string> switched_on(const Look& look) {
   add(!look.probes.empty(), "reflection probes");
   add(look.lens.has_value(), "lens");
   add(look.shutter.has_value(), "shutter");
+  add(!look.paths.empty(), "paths");
+  add(!look.instances.empty(), "instances from files");
   add(!look.shadows.lights.empty(), "lights marked for shadows");
   add(look.exposure.ev.has_value(), "exposure");
   add(look.exposure.automatic.has_value(), "automatic exposure");

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "look/motion.h"
 
 namespace candela {
 
@@ -163,6 +164,7 @@ struct ReflectionProbe {
   double time_s = 0;    // of the scene that it shows
 };
 inline constexpr size_t most_reflection_probes = 8;
+inline constexpr size_t most_motion_files = 1024;  // paths of a look, and instances
 
 // A thin lens: what lies off its plane of focus is blurred.
 struct LensLook {
@@ -193,6 +195,8 @@ struct Look {
   std::vector<ReflectionProbe> probes;  // smaller boxes first, which go before larger ones
   std::optional<LensLook> lens;         // absent: a pinhole
   std::optional<ShutterLook> shutter;   // absent: an instant
+  std::vector<PathRequest> paths;       // files from the look's folder; the same for all times
+  std::vector<InstancesRequest> instances;
 };
 // How many media there are to sum; 0 where the one that there is has closed forms, which know no turned box.
 inline size_t summed_fog(const Look& look) {
@@ -233,6 +237,9 @@ class LookFile {
 Expected<LookFile> read_look_file(const std::filesystem::path& file);
 Expected<Look> read_look(const std::filesystem::path& file, double time_s = 0);
 Expected<Look> look_from_json(const std::string& text, const std::string& place, double time_s = 0);
+
+// The look's paths and instances alone, without reading what changes over time.
+Expected<Look> read_look_motion(const std::filesystem::path& file);
 
 // NAME.look.json beside NAME.gltf or NAME.glb, or empty where there is none.
 std::filesystem::path look_beside(const std::filesystem::path& scene);

@@ -33,8 +33,11 @@ Expected<std::shared_ptr<const LookFile::Parsed>> parse_look(std::string_view te
   auto j = read_json(text, place);
   if (!j) return std::unexpected(j.error());
   if (!j->is_object()) return wrong(place, "a look is a JSON object");
-  if (j->contains("probes"))
-    if (auto fixed = check_fixed((*j)["probes"], place + ": /probes"); !fixed) return std::unexpected(fixed.error());
+  for (const auto& [key, what] :
+       {std::pair("probes", "probes are"), {"paths", "paths are"}, {"instances", "instances are"}})
+    if (j->contains(key))
+      if (auto fixed = check_fixed((*j)[key], fmt::format("{}: /{}", place, key), what); !fixed)
+        return std::unexpected(fixed.error());
   auto parsed = std::make_shared<LookFile::Parsed>();
   if (auto taken = take_timed_values(*j, place + ": ", {}, parsed->values); !taken)
     return std::unexpected(taken.error());
@@ -98,6 +101,22 @@ Expected<Look> read_look(const std::filesystem::path& file, double time_s) {
   const auto read = read_look_file(file);
   if (!read) return std::unexpected(read.error());
   return read->at(time_s);
+}
+
+Expected<Look> read_look_motion(const std::filesystem::path& file) {
+  const auto bytes = read_file(file);
+  if (!bytes) return std::unexpected(bytes.error());
+  const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  const auto has = [&](std::string_view word) { return text.find(word) != std::string_view::npos; };
+  Look look;
+  if (!has("\"paths\"") && !has("\"instances\"")) return look;
+  const auto parsed = parse_look(text, file.string());
+  if (!parsed) return std::unexpected(parsed.error());
+  Json motion = Json::object();
+  for (const char* key : {"paths", "instances"})
+    if ((*parsed)->tree.contains(key)) motion[key] = (*parsed)->tree[key];
+  if (auto read = read_rows(motion, (*parsed)->place, look_table(), look); !read) return std::unexpected(read.error());
+  return look;
 }
 
 std::filesystem::path look_beside(const std::filesystem::path& scene) {

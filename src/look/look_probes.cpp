@@ -13,29 +13,6 @@ struct Keys {
   bool has_box = false;
 };
 
-template <class T>
-Row<T> point_row(std::string name, std::optional<glm::dvec3> T::*member, std::string help) {
-  LookKey key = key_of(std::move(name), LookKey::Kind::numbers, {}, std::move(help));
-  key.least = key.most = 3, key.fixed = true;
-  return {std::move(key), [=](const Json& j, const std::string& place, T& into) -> Expected<void> {
-            if (!j.is_array() || j.size() != 3)
-              return wrong(place, "the value is not a list of three numbers: x, y, z");
-            glm::dvec3 point;
-            for (int c = 0; c < 3; ++c) {
-              const auto value = number(j[size_t(c)], fmt::format("{}/{}", place, c));
-              if (!value) return std::unexpected(value.error());
-              point[c] = *value;
-            }
-            into.*member = point;
-            return {};
-          }};
-}
-template <class T>
-Row<T> fixed_row(Row<T> row) {
-  row.key.fixed = true;
-  return row;
-}
-
 Expected<void> set_box(const Json&, const std::string& place, BoxFields& box, Keys& keys) {
   for (const auto& [corner, name] : {std::pair(&box.lowest, "min"), std::pair(&box.highest, "max")})
     if (!*corner) return wrong(place, fmt::format("lacks {}", name));
@@ -69,10 +46,11 @@ Expected<void> add_probe(const Json&, const std::string& place, Keys& keys, Look
 }  // namespace
 
 Row<Look> probes_row() {
-  const Rows<BoxFields> corners = {point_row("min", &BoxFields::lowest, "x, y and z of the lowest corner"),
-                                   point_row("max", &BoxFields::highest, "x, y and z of the highest corner")};
+  const Rows<BoxFields> corners = {
+      point_row<BoxFields>("min", &BoxFields::lowest, "x, y and z of the lowest corner"),
+      point_row<BoxFields>("max", &BoxFields::highest, "x, y and z of the highest corner")};
   const Rows<Keys> rows = {
-      point_row("position", &Keys::position, "metres, world: where the image is taken, inside the box"),
+      point_row<Keys>("position", &Keys::position, "metres, world: where the image is taken, inside the box"),
       object_row<Keys, BoxFields>(
           "box", corners, [](Keys&) { return BoxFields{}; }, set_box,
           "metres, world: surfaces in it reflect the image, as if what is seen lay on its faces"),
@@ -86,12 +64,12 @@ Row<Look> probes_row() {
                                  "images of the scene about a point, which surfaces in a box reflect");
 }
 
-Expected<void> check_fixed(const Json& j, const std::string& place) {
+Expected<void> check_fixed(const Json& j, const std::string& place, const std::string& what) {
   if (!j.is_structured()) return {};
   if (j.is_object() && j.contains("keys"))
-    return wrong(place, "the value has keys over time; probes are the same at all times");
+    return wrong(place, fmt::format("the value has keys over time; {} the same at all times", what));
   for (const auto& [key, value] : j.items())
-    if (auto fixed = check_fixed(value, place + "/" + key); !fixed) return fixed;
+    if (auto fixed = check_fixed(value, place + "/" + key, what); !fixed) return fixed;
   return {};
 }
 

@@ -81,6 +81,29 @@ Row<T> color_row(std::string name, Range range, Member member, std::string help)
             return {};
           }};
 }
+// x, y and z, the same at all times.
+template <class T, class Member>
+Row<T> point_row(std::string name, Member member, std::string help) {
+  LookKey key = key_of(std::move(name), LookKey::Kind::numbers, {}, std::move(help));
+  key.least = key.most = 3, key.fixed = true;
+  return {std::move(key), [=](const Json& j, const std::string& place, T& into) -> Expected<void> {
+            if (!j.is_array() || j.size() != 3)
+              return wrong(place, "the value is not a list of three numbers: x, y, z");
+            glm::dvec3 point;
+            for (int c = 0; c < 3; ++c) {
+              const auto value = number(j[size_t(c)], fmt::format("{}/{}", place, c));
+              if (!value) return std::unexpected(value.error());
+              point[c] = *value;
+            }
+            std::invoke(member, into) = point;
+            return {};
+          }};
+}
+template <class T>
+Row<T> fixed_row(Row<T> row) {
+  row.key.fixed = true;
+  return row;
+}
 template <class T, class Member>
 Row<T> flag_row(std::string name, Member member, std::string help) {
   return {key_of(std::move(name), LookKey::Kind::flag, {}, std::move(help)),
@@ -144,8 +167,10 @@ const Rows<Look>& look_table();  // all rows of a look; look.cpp
 Row<Look> fog_row();             // look_fog.cpp
 Row<Look> volumetric_row();
 Row<Look> probes_row();  // look_probes.cpp
-// Keys over time in it are an error (input): it says what does not change.
-Expected<void> check_fixed(const Json& j, const std::string& place);
+Row<Look> paths_row();   // look_motion.cpp
+Row<Look> instances_row();
+// Keys over time in it are an error (input): it says what does not change. what: in words, "probes are".
+Expected<void> check_fixed(const Json& j, const std::string& place, const std::string& what);
 
 // A value of a look that changes over time: {"keys": [[time in seconds, value], ...]} as it was read.
 enum class Between : uint8_t { linear, step, cubic };

@@ -1,6 +1,7 @@
 // Values over time.
 #include <span>
 
+#include "base/monotone_cubic.h"
 #include "look/look_rows.h"
 
 namespace candela::look_rows {
@@ -39,30 +40,13 @@ Expected<Between> read_interpolation(const Json& j, const std::string& place) {
   return Between(found - names.begin());
 }
 
-// Fritsch and Butland, "A Method for Constructing Local Monotone Piecewise Cubic Interpolants", 1984: 0 at a turning
-// point, the weighted harmonic mean of both sides' slopes elsewhere.
-double slope(std::span<const double> time, std::span<const double> value, size_t i) {
-  return (value[i + 1] - value[i]) / (time[i + 1] - time[i]);
-}
-double tangent(std::span<const double> time, std::span<const double> value, size_t i) {
-  if (i == 0) return slope(time, value, 0);
-  if (i + 1 == time.size()) return slope(time, value, i - 1);
-  const double before = slope(time, value, i - 1), after = slope(time, value, i);
-  if (!(before * after > 0)) return 0;
-  const double h0 = time[i] - time[i - 1], h1 = time[i + 1] - time[i];
-  return 3 * (h0 + h1) / ((2 * h1 + h0) / before + (h1 + 2 * h0) / after);
-}
-
 // Between the keys i and i + 1.
 double between_keys(std::span<const double> time, std::span<const double> value, size_t i, double time_s,
                     Between between) {
   const double a = value[i], b = value[i + 1], h = time[i + 1] - time[i], s = (time_s - time[i]) / h;
   if (between == Between::step) return a;
   if (between == Between::linear) return (1 - s) * a + s * b;
-  const double s2 = s * s, s3 = s2 * s;
-  const double v = (2 * s3 - 3 * s2 + 1) * a + (s3 - 2 * s2 + s) * h * tangent(time, value, i) + (3 * s2 - 2 * s3) * b +
-                   (s3 - s2) * h * tangent(time, value, i + 1);
-  return std::clamp(v, std::min(a, b), std::max(a, b));  // rounding alone
+  return monotone_cubic(time, value, i, time_s);
 }
 
 TimedValue timed_value(const Json& keys, size_t numbers, Between between, const Json::json_pointer& at) {

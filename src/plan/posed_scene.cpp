@@ -4,6 +4,7 @@
 
 #include "base/log.h"
 #include "base/text.h"
+#include "plan/scene_motion.h"
 #include "scene/cut_outs.h"
 #include "scene/probe.h"
 #include "scene/shading.h"
@@ -19,6 +20,7 @@ Expected<Scene> load_scene(const Job& job, LoadFor use) {
   apply_cut_outs(*scene, job.cut_outs);
   turn_up(*scene, job.up);
   apply_shading(*scene, job.shading);
+  if (auto moved = add_motion(*scene, job); !moved) return std::unexpected(moved.error());
   add_probe(*scene, probe_from_name(job.probe));
   scene->view_hulls = std::make_shared<KeptViewHulls>();
   return scene;

@@ -14,6 +14,7 @@
 #include "plan/light_end.h"
 #include "plan/posed_scene.h"
 #include "scene/neutral_light.h"
+#include "scene/scene_path.h"
 
 namespace candela {
 namespace {
@@ -92,6 +93,7 @@ Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext&
     f.request.part.first_px = posed->window.first_px;
     f.request.part.offset_px = posed->window.offset_px;
   }
+  if (const auto& paths = context.scene.paths) f.notes.insert(f.notes.end(), paths->notes.begin(), paths->notes.end());
   if (std::string note = clip_note(context.scene, job.animation); !note.empty()) f.notes.push_back(std::move(note));
   if (context.sky) f.sky = context.sky->at(f.request.look, f.data, f.notes);
   f.sky.shows_suns = !context.face;

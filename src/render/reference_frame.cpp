@@ -17,6 +17,7 @@
 #include "render/metadata.h"
 #include "render/reference_layers.h"
 #include "scene/neutral_light.h"
+#include "scene/scene_path.h"
 
 namespace candela {
 namespace {
@@ -203,6 +204,7 @@ Expected<std::unique_ptr<ReferenceFrame>> pose_reference(std::shared_ptr<const R
   frame->pose = std::move(posed->pose), frame->view = std::move(posed->view), frame->data = std::move(posed->data);
   frame->notes = frame->view.notes;
   frame->notes.insert(frame->notes.end(), frame->pose.warnings.begin(), frame->pose.warnings.end());
+  if (scene.paths) frame->notes.insert(frame->notes.end(), scene.paths->notes.begin(), scene.paths->notes.end());
   if (std::string note = clip_note(scene, job.animation); !note.empty()) frame->notes.push_back(std::move(note));
 
   reference::WorldInput input{scene, frame->pose, frame->view, frame->data};
@@ -300,6 +302,8 @@ Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const referen
   picture.sensor_mm = job.sensor_mm, picture.motion_s = job.motion_s, picture.effects = job.effects;
   for (const KnobSetting& setting : job.settings)
     if (setting.pass == Subframes::Knobs::name) picture.settings.push_back(setting);
+  picture.paths = job.paths, picture.instances = job.instances;
+  forget_motion_files(picture);
   return hash128(fmt::format("candela reference {}\n{}\n{}\n{}\n{:a}{}", CANDELA_VERSION, job_json(picture),
                              settings_json(settings, accel), frame.scene_content().hex(), frame.time_s,
                              with_terms ? "\nterms" : ""));

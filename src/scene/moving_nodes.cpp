@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "scene/scene_path.h"
+
 namespace candela {
 
 std::vector<bool> moving_nodes(const Scene& scene, const AnimationChoice& choice) {
@@ -9,6 +11,8 @@ std::vector<bool> moving_nodes(const Scene& scene, const AnimationChoice& choice
   for (const int a : choice.animations)
     for (const AnimationChannel& channel : scene.animations[size_t(a)].channels)
       if (channel.path <= TargetPath::node_visible && channel.object >= 0) moving[size_t(channel.object)] = true;
+  if (scene.paths)
+    for (const ScenePath& path : scene.paths->paths) moving[size_t(path.node)] = true;
   // `order` has parents first.
   for (const int n : scene.order) {
     const int parent = scene.nodes[size_t(n)].parent;

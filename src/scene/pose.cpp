@@ -9,6 +9,7 @@
 
 #include "math/transforms.h"
 #include "scene/animation_targets.h"
+#include "scene/scene_path.h"
 
 #include "base/names.h"
 
@@ -44,7 +45,9 @@ std::vector<float> initial_weights(const Scene& scene, const Node& node) {
   return weights;
 }
 
-void place_nodes(const Scene& scene, const std::vector<NodeState>& nodes, Pose& pose) {
+void place_nodes_once(const Scene& scene, const std::vector<NodeState>& nodes, const std::vector<PathPlace>& on_paths,
+                      Pose& pose) {
+  const std::vector<glm::dmat4> before = std::move(pose.world_from_node);
   pose.world_from_node.assign(scene.nodes.size(), glm::dmat4(1.0));
   pose.node_visible.assign(scene.nodes.size(), false);
   std::vector<bool> placed(scene.nodes.size(), false);
@@ -54,14 +57,31 @@ void place_nodes(const Scene& scene, const std::vector<NodeState>& nodes, Pose& 
     // Cameras and lights have no size: the scale of a node that carries nothing else does not count.
     const bool scales =
         node.mesh >= 0 || node.light_instances || !node.children.empty() || (node.camera < 0 && node.light < 0);
-    const glm::dmat4 local =
-        node.has_matrix ? node.matrix
-                        : compose_trs(state.translation, unit(state.rotation), scales ? state.scale : glm::dvec3(1));
+    glm::dmat4 local = node.has_matrix
+                           ? node.matrix
+                           : compose_trs(state.translation, unit(state.rotation), scales ? state.scale : glm::dvec3(1));
     const bool has_parent = node.parent >= 0 && placed[size_t(node.parent)];
     placed[size_t(n)] = true;
-    pose.world_from_node[size_t(n)] = has_parent ? pose.world_from_node[size_t(node.parent)] * local : local;
+    const glm::dmat4 parent = has_parent ? pose.world_from_node[size_t(node.parent)] : glm::dmat4(1.0);
+    const ScenePath* const path = scene.paths ? scene.paths->of(size_t(n)) : nullptr;
+    glm::dmat4& world = pose.world_from_node[size_t(n)];
+    if (path) {
+      const PathPlace& place = on_paths[size_t(path - scene.paths->paths.data())];
+      world = on_path(*path, place, parent, local, before);
+    } else {
+      world = has_parent ? parent * local : local;
+    }
     pose.node_visible[size_t(n)] = state.visible && (!has_parent || pose.node_visible[size_t(node.parent)]);
   }
+}
+
+// Nodes that look at others need where these are: once more for each that may hang on another.
+void place_nodes(const Scene& scene, const std::vector<NodeState>& nodes, Pose& pose) {
+  std::vector<PathPlace> on_paths;
+  if (scene.paths)
+    for (const ScenePath& path : scene.paths->paths) on_paths.push_back(path.at(pose.time_s));
+  const size_t times = scene.paths ? 1 + scene.paths->look_at_nodes : 1;
+  for (size_t i = 0; i < times; ++i) place_nodes_once(scene, nodes, on_paths, pose);
 }
 
 // Two animated cone angles may cross, though each is in its range. `drivers` names the last animation that drove one.
@@ -187,7 +207,7 @@ std::string clip_note(const Scene& scene, const std::string& which) {
 double clips_end_s(const Scene& scene, const AnimationChoice& choice) {
   double end_s = 0;
   for (const int i : choice.animations) end_s = std::max(end_s, scene.animations[size_t(i)].end_s);
-  return end_s;
+  return scene.paths ? std::max(end_s, scene.paths->end_s) : end_s;
 }
 
 Expected<AnimationChoice> choose_animations(const Scene& scene, const std::string& which) {

@@ -31,7 +31,7 @@ Expected<std::vector<ClipFacts>> clip_facts(const Scene& scene, const std::strin
 // A sentence about animations that do not play for another's sake (auto), or that drive what others drive (all); empty
 // where there are none.
 std::string clip_note(const Scene& scene, const std::string& which);
-// The last key of what plays, seconds; 0: nothing moves.
+// The last key of what plays and the end of all paths, seconds; 0: nothing moves.
 double clips_end_s(const Scene& scene, const AnimationChoice& choice);
 
 // A scene at one time. Evaluated in double; nothing carries over from another time, so any order of frames gives the

@@ -229,6 +229,7 @@ struct Instances {  // EXT_mesh_gpu_instancing; each array is empty or count lon
 };
 
 struct LightInstances;  // light_instances.h
+struct ScenePaths;      // scene_path.h
 
 struct Node {
   std::string name;
@@ -374,6 +375,7 @@ struct Scene {
   int variant = -1;                   // the one that meshes have
   std::vector<ExtensionUse> extensions;
   std::vector<std::string> warnings;          // one line each, with place
+  std::shared_ptr<const ScenePaths> paths;    // that drive nodes; null: none
   std::shared_ptr<KeptViewHulls> view_hulls;  // what films are framed by; null: nothing is kept
 };
 

@@ -222,29 +222,6 @@ int node_of_camera(const Scene& scene, int which) {
   return -1;
 }
 
-// A name of a camera, else of a camera's node, else an index.
-Expected<int> find_camera_node(const Scene& scene, const std::string& wanted) {
-  int camera = -1;
-  for (size_t i = 0; i < scene.cameras.size() && camera < 0; ++i)
-    if (scene.cameras[i].name == wanted) camera = int(i);
-  if (camera < 0) {
-    for (int n : scene.order)
-      if (scene.nodes[size_t(n)].camera >= 0 && scene.nodes[size_t(n)].name == wanted) return n;
-    int index = -1;
-    const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
-    const bool number = error == std::errc() && end == wanted.data() + wanted.size();
-    if (number && index >= 0 && size_t(index) < scene.cameras.size()) camera = index;
-  }
-  if (camera < 0) return fail(ErrorKind::usage, scene.path, "no camera '{}': {}", wanted, camera_names(scene));
-  const int node = node_of_camera(scene, camera);
-  if (node < 0)
-    return fail(
-        ErrorKind::usage, scene.path,
-        "camera '{}' stands nowhere: no node of the scene carries it; choose another or give --eye and --target",
-        wanted);
-  return node;
-}
-
 Expected<void> set_file_perspective(View& view, const Camera& camera, const CameraRequest& request, ImageSize size,
                                     const std::string& place_of) {
   const double yfov = request.yfov_deg ? radians(*request.yfov_deg) : camera.yfov_rad;
@@ -333,9 +310,32 @@ Expected<View> seen_from(const Scene& scene, const Pose& pose, const CameraReque
 
 }  // namespace
 
+// A name of a camera, else of a camera's node, else an index.
+Expected<int> find_camera_node(const Scene& scene, const std::string& wanted) {
+  if (wanted.empty()) return node_of_camera(scene, -1);
+  int camera = -1;
+  for (size_t i = 0; i < scene.cameras.size() && camera < 0; ++i)
+    if (scene.cameras[i].name == wanted) camera = int(i);
+  if (camera < 0) {
+    for (int n : scene.order)
+      if (scene.nodes[size_t(n)].camera >= 0 && scene.nodes[size_t(n)].name == wanted) return n;
+    int index = -1;
+    const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
+    const bool number = error == std::errc() && end == wanted.data() + wanted.size();
+    if (number && index >= 0 && size_t(index) < scene.cameras.size()) camera = index;
+  }
+  if (camera < 0) return fail(ErrorKind::usage, scene.path, "no camera '{}': {}", wanted, camera_names(scene));
+  const int node = node_of_camera(scene, camera);
+  if (node < 0)
+    return fail(
+        ErrorKind::usage, scene.path,
+        "camera '{}' stands nowhere: no node of the scene carries it; choose another or give --eye and --target",
+        wanted);
+  return node;
+}
+
 int camera_node_of(const Scene& scene, const CameraRequest& request) {
   if (request.eye || request.target || from_direction(request)) return -1;
-  if (request.camera.empty()) return node_of_camera(scene, -1);
   return find_camera_node(scene, request.camera).value_or(-1);
 }
 

@@ -16,6 +16,7 @@
 #include "math/bounds.h"
 #include "scene/deformation_bounds.h"
 #include "scene/drawn_sections.h"
+#include "scene/scene_path.h"
 
 namespace candela {
 namespace {
@@ -313,6 +314,8 @@ std::vector<double> film_times(const Scene& scene, const AnimationChoice& choice
     for (const AnimationChannel& channel : scene.animations[size_t(a)].channels)
       if (channel.path <= TargetPath::node_visible)
         for (const float t : channel.times_s) keys.insert(double(t));
+  if (scene.paths)
+    for (const ScenePath& path : scene.paths->paths) keys.insert(path.times.time_s.begin(), path.times.time_s.end());
   std::set<double> times = {0};
   if (!keys.empty())
     for (size_t i = 0; i < even; ++i) times.insert(end_s * double(i) / double(even - 1));

@@ -23,4 +23,10 @@ FrameWork work_of(const PlannedFrame& f) {
   return result;
 }
 
+Expected<FrameResult> Session::render(double time_s, bool hash_outputs) {
+  const auto ticket = begin(time_s, hash_outputs);
+  if (!ticket) return std::unexpected(ticket.error());
+  return finish(*ticket);
+}
+
 }  // namespace candela

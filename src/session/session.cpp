@@ -11,14 +11,15 @@
 #include "gpu/device_select.h"
 #include "gpu/kept_image.h"
 #include "job/choose_transparency.h"
-#include "job/content_hash.h"
 #include "job/job_look.h"
 #include "plan/choose_sides.h"
 #include "plan/posed_scene.h"
+#include "plan/scene_motion.h"
 #include "session/device_samples.h"
 #include "session/draw_probes.h"
 #include "session/gpu_scene.h"
 #include "session/gpu_sky.h"
+#include "session/look_read.h"
 #include "session/subframe_sums.h"
 #include "session/timeout_report.h"
 #include "session/timings.h"
@@ -28,15 +29,6 @@ namespace {
 
 Error as_error(const gpu::GpuError& e) {
   return {e.out_of_memory() ? ErrorKind::out_of_memory : ErrorKind::device, e.what(), e.place};
-}
-
-void count_lamp_maps(const FrameLamps& lamps, Timings& timings) {
-  timings.lamp_maps = timings.lamp_maps_drawn = lamps.maps;
-  if (!lamps.image || !lamps.image->apart) return;
-  const std::vector<uint32_t>& drawn = lamps.image->drawn;
-  const auto over = std::ranges::lower_bound(drawn, lamps.image->first_over());
-  timings.lamp_maps_drawn = uint64_t(over - drawn.begin());
-  timings.lamp_maps_over = uint64_t(drawn.end() - over);
 }
 
 // Stages and passes of a picture's frames under their names, as sums; of maps and bytes likewise.
@@ -68,9 +60,14 @@ class DeviceSession : public Session {
   Expected<void> open();
   Expected<FrameTicket> begin(double time_s, bool hash_outputs) override;
   Expected<FrameResult> finish(FrameTicket ticket) override;
-  int in_flight() const override;
+  // The host plans, uploads and records the next frame while the device renders; a CPU device has no cores to spare.
+  int in_flight() const override { return settings_.timed || device_->info().is_cpu ? 1 : 2; }
   void set_camera(const CameraRequest& camera) override { asked_.camera = job_.camera = camera; }
   Expected<void> set_settings(const Job& job) override;
+  Expected<bool> reread_look() override;
+  void reread_shaders() override;
+  void take_trees(const Session& earlier) override { rays_ = earlier.trees(); }
+  std::shared_ptr<const FrameRays> trees() const override { return rays_; }
   Expected<FrameWork> work(double time_s) const override;
   const Scene& scene() const override { return scene_; }
   const gpu::Device& device() const override { return *device_; }
@@ -79,7 +76,10 @@ class DeviceSession : public Session {
 
  private:
   Expected<void> load();
+  void take_look(LookRead look);
+  void make_runner();
   Expected<void> choose_by_device();
+  Expected<void> choose_again();
   PlanContext plan_context() const;
   // What a frame's result needs beside what the device leaves.
   struct Begun {
@@ -121,6 +121,7 @@ class DeviceSession : public Session {
   DevicePose on_device_;
   std::optional<JobSky> sky_;
   std::string left_out_;                            // of the look
+  std::string motion_, skies_;                      // as read_look_files() tells them
   bool has_probes_ = false, probes_drawn_ = false;  // drawn: with the settings of the job at hand
   bool stores_samples_ = true;                      // of the job, on the device
   Hash128 scene_content_;
@@ -145,26 +146,57 @@ Expected<void> DeviceSession::load() {
   auto layout = layout_geometry(scene_);
   if (!layout) return std::unexpected(layout.error());
   layout_ = std::move(*layout);
-  if (!job_.look.empty()) {
-    auto read = read_look_file(job_.look);
-    if (!read) return std::unexpected(read.error());
-    look_ = std::move(*read);
-  }
-  const auto look = look_ ? look_->at() : Expected<Look>(Look{});
+  auto look = read_look_files(job_);
   if (!look) return std::unexpected(look.error());
-  left_out_ = left_out_of(job_, *look);
-  has_probes_ = !look->probes.empty();
-  std::vector<std::string> warnings;
-  auto sky = JobSky::read(job_, *look, scene_, warnings);
+  auto sky = read_sky(job_, *look, scene_);
   if (!sky) return std::unexpected(sky.error());
-  for (const std::string& warning : warnings) log::warning("{}", warning);
   sky_ = std::move(*sky);
-  const auto skies = sky_files(job_, *look);
-  if (!skies) return std::unexpected(skies.error());
-  auto content = hash_files(scene_.files, *skies, job_.look);
-  if (!content) return std::unexpected(content.error());
-  scene_content_ = *content;
+  if (auto hashed = hash_look(job_, scene_, *look); !hashed) return hashed;
+  take_look(std::move(*look));
   return check_outputs();
+}
+
+void DeviceSession::take_look(LookRead look) {
+  look_ = std::move(look.file);
+  motion_ = std::move(look.motion), skies_ = std::move(look.skies);
+  left_out_ = left_out_of(job_, look.at_begin);
+  has_probes_ = !look.at_begin.probes.empty();
+  scene_content_ = look.content;
+}
+
+Expected<bool> DeviceSession::reread_look() {
+  CHECK_MSG(begun_.empty(), "reread_look while frames are in flight");
+  auto look = read_look_files(job_);
+  if (!look) return std::unexpected(look.error());
+  if (auto hashed = hash_look(job_, scene_, *look); !hashed) return std::unexpected(hashed.error());
+  const bool has_room = has_probes_ || look->at_begin.probes.empty();
+  if (look->motion != motion_ || !has_room) return false;
+  std::optional<JobSky> sky;
+  if (look->skies != skies_) {
+    auto read = read_sky(job_, *look, scene_);
+    if (!read) return std::unexpected(read.error());
+    sky = std::move(*read);
+  }
+  if (auto moved = add_paths_again(scene_, job_); !moved) return std::unexpected(moved.error());
+  scene_.view_hulls = std::make_shared<KeptViewHulls>();
+  if (sky) sky_ = std::move(*sky);
+  take_look(std::move(*look));
+  job_ = asked_;
+  if (auto chosen = choose_again(); !chosen) return std::unexpected(chosen.error());
+  return true;
+}
+
+void DeviceSession::make_runner() {
+  const std::filesystem::path cache = cache_folder();
+  runner_ = std::make_unique<gpu::FrameRunner>(
+      *device_, *bindless_, glsl::ShaderCompiler(settings_.shader_folder, cache, glsl::built_in_spirv()), cache);
+  runner_->timeout_s = settings_.timeout_s;
+}
+
+void DeviceSession::reread_shaders() {
+  CHECK_MSG(begun_.empty(), "reread_shaders while frames are in flight");
+  make_runner();
+  probes_drawn_ = false;
 }
 
 // What the job leaves to us or asks of the device. GpuError where it does not say what it has.
@@ -222,10 +254,7 @@ Expected<void> DeviceSession::open() {
       on_device_ = {&lights_, &instances_};
     }
     gpu_scene_ = std::make_unique<GpuScene>(*device_, *bindless_, scene_, layout_, on_device_);
-    const std::filesystem::path cache = cache_folder();
-    runner_ = std::make_unique<gpu::FrameRunner>(
-        *device_, *bindless_, glsl::ShaderCompiler(settings_.shader_folder, cache, glsl::built_in_spirv()), cache);
-    runner_->timeout_s = settings_.timeout_s;
+    make_runner();
     sums_ = std::make_unique<SubframeSums>(*device_);
     if (settings_.kept_bytes > 0) kept_ = std::make_unique<gpu::ImageCache>(*device_, settings_.kept_bytes);
     opening_.uploaded_bytes = device_->uploaded_bytes();
@@ -243,6 +272,10 @@ Expected<void> DeviceSession::set_settings(const Job& job) {
   if (job_json(next) == job_json(asked_)) return {};
   if (auto fine = check_job(next); !fine) return fine;
   asked_ = job_ = std::move(next);
+  return choose_again();
+}
+
+Expected<void> DeviceSession::choose_again() {
   probes_drawn_ = false;
   try {
     return choose_by_device();
@@ -536,16 +569,7 @@ void DeviceSession::take_run(gpu::FrameRun run, Begun& begun) {
   }
 }
 
-// The host plans, uploads and records the next frame while the device renders; a CPU device has no cores to spare.
-int DeviceSession::in_flight() const { return settings_.timed || device_->info().is_cpu ? 1 : 2; }
-
 }  // namespace
-
-Expected<FrameResult> Session::render(double time_s, bool hash_outputs) {
-  const auto ticket = begin(time_s, hash_outputs);
-  if (!ticket) return std::unexpected(ticket.error());
-  return finish(*ticket);
-}
 
 Expected<std::unique_ptr<Session>> Session::open(const Job& job, const WantedOutputs& wanted,
                                                  const RunSettings& settings) {

@@ -101,12 +101,21 @@ class Session {
   // its own would make them; nothing else of the job counts. Errors: those of check_job() and of what the device cannot
   // do.
   virtual Expected<void> set_settings(const Job& job) = 0;
+  // For `watch`, while no frame is in flight: reads the look with its sky and the files of paths again; false where
+  // that asks for another session, for other nodes are moved or textures are added. After false and after an error all
+  // is as it was.
+  virtual Expected<bool> reread_look() = 0;
+  // Likewise: frames begun from now on have pipelines of the shader folder as it is then.
+  virtual void reread_shaders() = 0;
+  // Trees that an earlier session made serve where the geometry is the same.
+  virtual void take_trees(const Session& earlier) = 0;
   // What a frame at that time would do: planned, not rendered.
   virtual Expected<FrameWork> work(double time_s) const = 0;
   virtual const Scene& scene() const = 0;
   virtual const gpu::Device& device() const = 0;
-  virtual const Timings& opening() const = 0;  // load, decode, upload
-  virtual Hash128 scene_content() const = 0;   // of all files read
+  virtual const Timings& opening() const = 0;                  // load, decode, upload
+  virtual Hash128 scene_content() const = 0;                   // of all files read
+  virtual std::shared_ptr<const FrameRays> trees() const = 0;  // of the last frame that had some
 };
 
 }  // namespace candela

@@ -6,6 +6,7 @@
 
 #include "base/json.h"
 #include "base/statistics.h"
+#include "plan/frame_lamps.h"
 
 namespace candela {
 namespace {
@@ -148,6 +149,15 @@ Timings::Overlap measure_overlap(gpu::FrameRunner& runner, const gpu::Device& de
     }
   return {device.has_second_queue() ? 2 : 1, std::max(1, int(graph.plan.batches.size())), runs, median(all),
           median(one)};
+}
+
+void count_lamp_maps(const FrameLamps& lamps, Timings& timings) {
+  timings.lamp_maps = timings.lamp_maps_drawn = lamps.maps;
+  if (!lamps.image || !lamps.image->apart) return;
+  const std::vector<uint32_t>& drawn = lamps.image->drawn;
+  const auto over = std::ranges::lower_bound(drawn, lamps.image->first_over());
+  timings.lamp_maps_drawn = uint64_t(over - drawn.begin());
+  timings.lamp_maps_over = uint64_t(drawn.end() - over);
 }
 
 }  // namespace candela

@@ -6,6 +6,8 @@
 
 namespace candela {
 
+struct FrameLamps;
+
 // The file of --timings: GPU milliseconds by pass (absent when they were not measured), CPU milliseconds by stage (the
 // session's opening and the frame's), device and driver, memory by lifetime and at its peak, plan hash, job.
 nlohmann::ordered_json timings_json(const FrameResult& frame, const Job& job, const Session& session);
@@ -38,5 +40,8 @@ class StageTimer {
 Timings::Overlap measure_overlap(gpu::FrameRunner& runner, const gpu::Device& device, const CompiledGraph& graph,
                                  const std::map<int, const gpu::Buffer*>& imports,
                                  const std::map<int, const gpu::KeptImage*>& images);
+
+// Counts the lamps' maps of a frame.
+void count_lamp_maps(const FrameLamps& lamps, Timings& timings);
 
 }  // namespace candela

@@ -80,6 +80,10 @@ class FailingSession : public Session {
   int in_flight() const override { return session_.in_flight(); }
   void set_camera(const CameraRequest& camera) override { session_.set_camera(camera); }
   Expected<void> set_settings(const Job& job) override { return session_.set_settings(job); }
+  Expected<bool> reread_look() override { return session_.reread_look(); }
+  void reread_shaders() override { session_.reread_shaders(); }
+  void take_trees(const Session& earlier) override { session_.take_trees(earlier); }
+  std::shared_ptr<const FrameRays> trees() const override { return session_.trees(); }
   Expected<FrameWork> work(double time_s) const override { return session_.work(time_s); }
   const Scene& scene() const override { return session_.scene(); }
   const gpu::Device& device() const override { return session_.device(); }

@@ -34,7 +34,7 @@ uint half_of(uint original, float value, uint quiet, inout uint clamped) {
   return sign | ((bits - 0x38000000u + 0xfffu + ((bits >> 13) & 1u)) >> 13);
 }
 
-uvec4 bits_at(uvec2 p) { return floatBitsToUint(texelFetch(pass_images[pc.source], ivec2(p), 0)); }
+uvec4 bits_at(uvec2 p) { return floatBitsToUint(texelFetch(pass_images[pc.source], ivec2(pc.corner_px + p), 0)); }
 
 void look(uvec2 p, uvec4 bits) {
   if (LOOK != 0) {
@@ -79,7 +79,7 @@ void planes_of_floats(uvec2 p) {
 }
 
 vec4 color_at(uvec2 p) {
-  return p.x < pc.size_px.x ? texelFetch(pass_images[pc.source], ivec2(p), 0) : vec4(0.0);
+  return p.x < pc.size_px.x ? texelFetch(pass_images[pc.source], ivec2(pc.corner_px + p), 0) : vec4(0.0);
 }
 
 void bytes(uvec2 p) {

@@ -12,7 +12,8 @@ SHARED_BEGIN
 struct PackPush {
   uint64_t target, counts;
   uint source, layer;  // layer: its place among the counts
-  uvec2 size_px;
+  uvec2 size_px;       // of what is packed
+  uvec2 corner_px;     // where that begins in the picture
   uint row_words, plane_words;
   float scale;  // of colours before they are halves; not of alpha
 };

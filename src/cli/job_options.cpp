@@ -50,6 +50,18 @@ void add_technique_options(CLI::App& command, JobOptions& o) {
       ->type_name("PASS.KNOB=VALUE");
 }
 
+void add_window_options(CLI::App& command, JobOptions& o) {
+  command
+      .add_option("--region", o.region,
+                  "Render this part of the picture alone, in pixels from its upper left corner: the same pixels as of "
+                  "the whole (docs/outputs.md)")
+      ->type_name("X,Y,W,H");
+  command
+      .add_option("--overscan", o.overscan,
+                  "The picture reaches beyond its size on each side: by pixels, or by a percentage of width and height")
+      ->type_name("PX|P%");
+}
+
 void add_effect_options(CLI::App& command, JobOptions& o) {
   command
       .add_option("--quality", o.quality,
@@ -225,6 +237,7 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   command.add_option("--size", o.size, "Size of the image in pixels, or 720p, 1080p, 1440p, 4k or 8k")
       ->capture_default_str()
       ->type_name("WxH");
+  if (renderer == Renderer::gpu) add_window_options(command, o);
   if (renderer == Renderer::gpu) add_technique_options(command, o);
   if (renderer != Renderer::reference) add_effect_options(command, o);
   command
@@ -410,6 +423,16 @@ Expected<void> read_texts(const JobOptions& o, Job& job) {
   const auto size = parse_size(o.size);
   if (!size) return std::unexpected(Error{ErrorKind::usage, size.error().message, "--size"});
   std::tie(job.width_px, job.height_px) = *size;
+  if (!o.region.empty()) {
+    const auto region = parse_pixel_rect(o.region);
+    if (!region) return std::unexpected(Error{ErrorKind::usage, region.error().message, "--region"});
+    job.region = *region;
+  }
+  if (!o.overscan.empty()) {
+    const auto overscan = parse_overscan(o.overscan);
+    if (!overscan) return std::unexpected(Error{ErrorKind::usage, overscan.error().message, "--overscan"});
+    job.overscan = *overscan;
+  }
   const auto eye = parse_point("--eye", o.eye), target = parse_point("--target", o.target);
   if (!eye) return std::unexpected(eye.error());
   if (!target) return std::unexpected(target.error());

@@ -17,9 +17,8 @@ struct JobOptions {
                      transparency = "auto", sides = "auto", quality = "high", effects = "auto", sky = "auto", look,
                      shading = "pbr", cut_outs = "blended", variant, probe, tonemap, view = "beauty", layers,
                      background = "transparent", exr_type = "half", exr_compression = "zip", fps = "24", device,
-                     shader_folder, config;
-  std::vector<std::string> settings, paths, instances;
-  std::string camera_path;
+                     shader_folder, config, region, overscan, camera_path;
+  std::vector<std::string> settings, light_groups, paths, instances;
   std::optional<double> yfov_deg, azimuth_deg, elevation_deg;
   bool fit = false, follow = false;
   int turntable = 0;  // frames of a turn

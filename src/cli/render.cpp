@@ -184,6 +184,11 @@ Expected<RenderPlan> plan_render(const CLI::App& command, RenderOptions& o) {
               choice->text, choice->ms, choice->ms_ci.low, choice->ms_ci.high, choice->error, choice->error_ci.low,
               choice->error_ci.high);
   }
+  for (const auto& [option, given] : {std::pair("--dump", !o.dumps.empty()),
+                                      {"--check-determinism", bool(o.check_determinism)},
+                                      {"--view", bool(image_of_view(job->view))}})
+    if (job->region && given)
+      return fail(ErrorKind::usage, option, "looks at whole images of a frame, of which --region leaves parts empty");
   auto moments = moments_of(o);
   if (!moments) return std::unexpected(moments.error());
   plan.job = *job;

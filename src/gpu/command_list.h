@@ -6,6 +6,7 @@
 
 #include "graph/handle.h"
 #include "graph/image_range.h"
+#include "graph/picture_parts.h"
 #include "graph/pipeline_desc.h"
 
 namespace candela {
@@ -39,6 +40,9 @@ class CommandList {
 
   // Threads, not groups: divided by the workgroup size that the bound shader's SPIR-V states, rounded up.
   virtual void dispatch(uint32_t threads_x, uint32_t threads_y = 1, uint32_t threads_z = 1) = 0;
+  // The same over the picture, or over texels of so many pixels a side: only those that hold pixels of the part.
+  virtual void dispatch_picture(uint32_t threads_x, uint32_t threads_y, PicturePart part = PicturePart::shaded,
+                                uint32_t texel_px = 1) = 0;
   // Three counts of groups at an offset, written by an earlier pass or step (indirect_read).
   virtual void dispatch_indirect(BufferHandle groups, uint64_t offset = 0) = 0;
 
@@ -52,6 +56,10 @@ class CommandList {
   };
   // Viewport and scissor: the whole mip. Several layers: the vertex shader chooses with gl_Layer.
   virtual void begin_rendering(std::span<const Attachment> colors, ImageHandle depth, ImageRange depth_range = {}) = 0;
+  // The same into images of the picture: scissor, and render area where no depth is cleared, are of the part. Beyond it
+  // depth is then that of the background.
+  virtual void begin_picture(std::span<const Attachment> colors, ImageHandle depth,
+                             PicturePart part = PicturePart::shaded) = 0;
   virtual void end_rendering() = 0;
   // In texels; a part of what begin_rendering set: an atlas's tile, a border. Depth 0 to 1.
   virtual void set_viewport(glm::vec2 corner_px, glm::vec2 size_px) = 0;
@@ -77,6 +85,7 @@ class CommandList {
   // Copies: transfer_source and transfer_destination. Without a range, the part that was declared. Texels in buffers
   // are tightly packed: mip by mip, and within a mip layer by layer.
   virtual void copy_to_buffer(ImageHandle image, BufferHandle buffer, ImageRange range = {}) = 0;
+  virtual void copy_part_to_buffer(ImageHandle image, BufferHandle buffer, const PixelRect& part) = 0;
   virtual void copy_to_image(BufferHandle buffer, ImageHandle image, ImageRange range = {}) = 0;
   virtual void copy_buffer(BufferHandle from, uint64_t from_offset, BufferHandle to, uint64_t to_offset,
                            uint64_t bytes) = 0;

@@ -40,6 +40,20 @@ void CommandListImpl::copy_to_buffer(ImageHandle image, BufferHandle target, Ima
                          uint32_t(regions.size()), regions.data());
 }
 
+void CommandListImpl::copy_part_to_buffer(ImageHandle image, BufferHandle target, const PixelRect& rect) {
+  const Part from = part(image, Access::transfer_source, {});
+  use_of(target, {Access::transfer_destination});
+  CHECK_MSG(rect.end_x() <= int(from.desc.width_px) && rect.end_y() <= int(from.desc.height_px), pass_.name);
+  CHECK_MSG(
+      buffer(target.resource).size() >= uint64_t(rect.width) * uint64_t(rect.height) * format_bytes(from.desc.format),
+      pass_.name);
+  std::vector<VkBufferImageCopy> regions = copy_regions(from.desc, from.image, from.range);
+  CHECK_MSG(regions.size() == 1, pass_.name);
+  regions[0].imageOffset = {rect.x, rect.y, 0};
+  regions[0].imageExtent = {uint32_t(rect.width), uint32_t(rect.height), 1};
+  vkCmdCopyImageToBuffer(commands_, from.image.image, from.layout, buffer(target.resource).handle(), 1, regions.data());
+}
+
 void CommandListImpl::copy_to_image(BufferHandle source, ImageHandle image, ImageRange range) {
   const Part to = part(image, Access::transfer_destination, range);
   use_of(source, {Access::transfer_source});

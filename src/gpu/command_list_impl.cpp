@@ -1,5 +1,7 @@
 #include "gpu/command_list_impl.h"
 
+#include <algorithm>
+
 #include "base/check.h"
 #include "gpu/image_copy.h"
 #include "graph/access.h"
@@ -160,6 +162,21 @@ void CommandListImpl::dispatch(uint32_t threads_x, uint32_t threads_y, uint32_t 
   vkCmdDispatch(commands_, count[0], count[1], count[2]);
 }
 
+void CommandListImpl::dispatch_picture(uint32_t threads_x, uint32_t threads_y, PicturePart part, uint32_t texel_px) {
+  if (!frame_.plan.parts) return dispatch(threads_x, threads_y, 1);
+  CHECK_MSG(bound_ && bound_->bind_point == VK_PIPELINE_BIND_POINT_COMPUTE && !rendering_, pass_.name);
+  const PixelRect& rect = frame_.plan.parts->of(part);
+  const auto range = [&](int first_px, int end_px, uint32_t threads, uint32_t size) {
+    const uint32_t first = uint32_t(first_px) / texel_px / size;
+    const uint32_t end = std::min((uint32_t(end_px) + texel_px - 1) / texel_px, threads);
+    return std::pair(first, (end + size - 1) / size - first);
+  };
+  const auto [x, across] = range(rect.x, rect.end_x(), threads_x, bound_->workgroup[0]);
+  const auto [y, down] = range(rect.y, rect.end_y(), threads_y, bound_->workgroup[1]);
+  CHECK_MSG(x + across <= frame_.max_groups[0] && y + down <= frame_.max_groups[1], pass_.name);
+  vkCmdDispatchBase(commands_, x, y, 0, across, down, 1);
+}
+
 void CommandListImpl::dispatch_indirect(BufferHandle groups, uint64_t offset) {
   CHECK_MSG(bound_ && bound_->bind_point == VK_PIPELINE_BIND_POINT_COMPUTE && !rendering_, pass_.name);
   use_of(groups, {Access::indirect_read});
@@ -197,6 +214,15 @@ VkRenderingAttachmentInfo CommandListImpl::attachment(const PlanUse& use) const 
 }
 
 void CommandListImpl::begin_rendering(std::span<const Attachment> colors, ImageHandle depth, ImageRange depth_range) {
+  begin_in(colors, depth, depth_range, nullptr);
+}
+
+void CommandListImpl::begin_picture(std::span<const Attachment> colors, ImageHandle depth, PicturePart part) {
+  begin_in(colors, depth, {}, frame_.plan.parts ? &frame_.plan.parts->of(part) : nullptr);
+}
+
+void CommandListImpl::begin_in(std::span<const Attachment> colors, ImageHandle depth, ImageRange depth_range,
+                               const PixelRect* part) {
   CHECK_MSG(!rendering_ && (!colors.empty() || depth), pass_.name);
   const PlanUse* shape = nullptr;
   const auto drawn = [&](const PlanUse& use) -> const PlanUse& {
@@ -222,16 +248,21 @@ void CommandListImpl::begin_rendering(std::span<const Attachment> colors, ImageH
   if (depth) depth_info = attachment(drawn(use_of(depth, {Access::depth_attachment, Access::depth_test}, depth_range)));
 
   const VkExtent3D extent = mip_extent(desc_of(shape->resource), shape->range.first_mip);
-  const VkRect2D area{{0, 0}, {extent.width, extent.height}};
+  const VkRect2D whole{{0, 0}, {extent.width, extent.height}};
+  VkRect2D area = whole;
+  if (part) {
+    CHECK_MSG(part->end_x() <= int(extent.width) && part->end_y() <= int(extent.height), pass_.name);
+    area = {{part->x, part->y}, {uint32_t(part->width), uint32_t(part->height)}};
+  }
   VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
-  info.renderArea = area;
+  info.renderArea = depth && depth_info.loadOp == VK_ATTACHMENT_LOAD_OP_CLEAR ? whole : area;
   info.layerCount = shape->range.layer_count;
   info.colorAttachmentCount = uint32_t(color_infos.size());
   info.pColorAttachments = color_infos.data();
   info.pDepthAttachment = depth ? &depth_info : nullptr;
   if (depth && has_stencil(desc_of(depth.resource).format)) info.pStencilAttachment = &depth_info;
   vkCmdBeginRendering(commands_, &info);
-  rendering_ = true, rendered_ = area.extent;
+  rendering_ = true, rendered_ = whole.extent;
   const VkViewport viewport{0, 0, float(extent.width), float(extent.height), 0, 1};
   vkCmdSetViewport(commands_, 0, 1, &viewport);
   vkCmdSetScissor(commands_, 0, 1, &area);

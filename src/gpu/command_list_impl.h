@@ -53,9 +53,11 @@ class CommandListImpl final : public CommandList {
   void bind(PipelineHandle pipeline) override;
   void push_bytes(const void* data, uint32_t bytes) override;
   void dispatch(uint32_t threads_x, uint32_t threads_y, uint32_t threads_z) override;
+  void dispatch_picture(uint32_t threads_x, uint32_t threads_y, PicturePart part, uint32_t texel_px) override;
   void dispatch_indirect(BufferHandle groups, uint64_t offset) override;
   void trace_rays(uint32_t width, uint32_t height) override;
   void begin_rendering(std::span<const Attachment> colors, ImageHandle depth, ImageRange depth_range) override;
+  void begin_picture(std::span<const Attachment> colors, ImageHandle depth, PicturePart part) override;
   void end_rendering() override;
   void set_viewport(glm::vec2 corner_px, glm::vec2 size_px) override;
   void set_scissor(glm::uvec2 corner_px, glm::uvec2 size_px) override;
@@ -72,6 +74,7 @@ class CommandListImpl final : public CommandList {
   void draw_indexed_indirect_count(BufferHandle commands, uint64_t commands_offset, BufferHandle counts,
                                    uint64_t counts_offset, uint32_t max_draws) override;
   void copy_to_buffer(ImageHandle image, BufferHandle buffer, ImageRange range) override;
+  void copy_part_to_buffer(ImageHandle image, BufferHandle buffer, const PixelRect& part) override;
   void copy_to_image(BufferHandle buffer, ImageHandle image, ImageRange range) override;
   void copy_buffer(BufferHandle from, uint64_t from_offset, BufferHandle to, uint64_t to_offset,
                    uint64_t bytes) override;
@@ -110,6 +113,7 @@ class CommandListImpl final : public CommandList {
   };
   Part part(ImageHandle image, Access access, ImageRange range) const;
   void check_drawing() const;
+  void begin_in(std::span<const Attachment> colors, ImageHandle depth, ImageRange depth_range, const PixelRect* part);
   void bind_sets(VkPipelineBindPoint point);
 
   const FrameContext& frame_;

@@ -267,6 +267,7 @@ Pipeline Pipelines::make(const ComputePipelineDesc& desc) const {
   check_queries(desc.shader);
   const Specialization specialization(desc.constants);
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+  info.flags = VK_PIPELINE_CREATE_DISPATCH_BASE_BIT;  // CommandList::dispatch_picture
   info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
   info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
   info.stage.module = module(desc.shader);

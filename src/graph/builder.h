@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "graph/kept.h"
+#include "graph/picture_parts.h"
 #include "graph/plan.h"
 
 namespace candela {
@@ -87,6 +88,10 @@ class GraphBuilder {
   void sink(BufferHandle buffer);
   void sink(ImageHandle image);
 
+  // Only a region of the picture is wanted (--region).
+  void restrict_picture(const PictureParts& parts) { parts_ = parts; }
+  const std::optional<PictureParts>& picture_parts() const { return parts_; }
+
   struct Pass {
     std::string name;
     Queue queue;
@@ -148,7 +153,8 @@ class GraphBuilder {
   std::vector<std::string> absences_;
   std::vector<std::pair<std::string, ImageHandle>> published_;
   std::vector<int> sinks_;
-  bool open_ = false;    // passes_.back() is being declared
+  bool open_ = false;  // passes_.back() is being declared
+  std::optional<PictureParts> parts_;
   std::string missing_;  // why the open pass will be left out
 };
 

@@ -126,6 +126,7 @@ CompiledGraph compile_graph(const GraphBuilder& builder, const KeptKeys& keys) {
   validate(builder);
   CompiledGraph graph;
   graph.plan.left_out = builder.left_out();
+  graph.plan.parts = builder.picture_parts();
   const std::vector<bool> kept = prune(builder, graph.plan.left_out, keys);
   order(builder, kept, graph);
   make_physical(builder, keys, graph.plan);

@@ -10,6 +10,7 @@
 #include "graph/access.h"
 #include "graph/handle.h"
 #include "graph/image_range.h"
+#include "graph/picture_parts.h"
 #include "graph/pipeline_desc.h"
 
 namespace candela {
@@ -127,6 +128,7 @@ struct FramePlan {
   std::vector<LeftOut> left_out;
   std::vector<uint64_t> block_bytes;  // estimate for each memory block
   PassBarriers final_barriers;        // after the last pass: host reads
+  std::optional<PictureParts> parts;  // what passes work on of the picture; absent: all of it
   std::vector<QueueBatch> batches;    // empty: one queue, all passes in order
 };
 

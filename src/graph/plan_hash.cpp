@@ -140,6 +140,11 @@ Hash128 plan_hash(const FramePlan& plan) {
       out.number(field);
     if (resource.to_fill) out.word("fill");
   }
+  if (plan.parts) {
+    out.word("region");
+    for (const PixelRect& r : {plan.parts->seen, plan.parts->shaded})
+      for (const int field : {r.x, r.y, r.width, r.height}) out.number(uint64_t(field));
+  }
   return hash128(out.text());
 }
 

@@ -1,5 +1,7 @@
 #include "job/job.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <charconv>
 #include <map>
@@ -52,6 +54,10 @@ std::string job_json(const Job& job) {
   if (job.camera.framing != Framing::boxes) j["framing"] = job.camera.framing == Framing::film ? "film" : "follow";
   if (job.camera.turn_s > 0) j["turn_s"] = job.camera.turn_s;
   j["size"] = fmt::format("{}x{}", job.width_px, job.height_px);
+  if (job.region)
+    j["region"] = fmt::format("{},{},{},{}", job.region->x, job.region->y, job.region->width, job.region->height);
+  if (job.overscan.amount > 0)
+    j["overscan"] = fmt::format("{}{}", job.overscan.amount, job.overscan.percent ? "%" : "");
   j["samples"] = job.samples;
   j["technique"] = job.technique;
   if (job.transparency != Job().transparency) j["transparency"] = job.transparency;
@@ -83,6 +89,11 @@ std::string job_json(const Job& job) {
   if (job.view == "motion" || std::ranges::find(job.layers, "motion") != job.layers.end() ||
       (!job.look.empty() && job.motion_s != Job().motion_s))
     j["motion_s"] = job.motion_s;
+  if (!job.light_groups.empty()) {
+    j["light_groups"] = Json::array();
+    for (const LightGroupRequest& g : job.light_groups)
+      j["light_groups"].push_back(fmt::format("{}={}", g.name, fmt::join(g.nodes, ",")));
+  }
   j["background"] = job.background;
   j["seed"] = job.seed;
   j["exr-type"] = job.exr_float ? "float" : "half";
@@ -182,6 +193,26 @@ Reader motion_into(std::vector<T> Job::*member, Expected<T> (*read)(const Json&,
     return {};
   };
 }
+// Of a text in a form that has a function of its own.
+template <class T, class Member>
+Reader parsed_into(Member Job::*member, Expected<T> (*parse)(const std::string&)) {
+  return [member, parse](const Json& v, Job& job) -> std::string {
+    if (!v.is_string()) return "is not a text";
+    const auto parsed = parse(v.get<std::string>());
+    if (!parsed) return "is wrong: " + parsed.error().message;
+    job.*member = *parsed;
+    return {};
+  };
+}
+std::string read_light_groups(const Json& v, Job& job) {
+  if (!v.is_array()) return "is not a list";
+  for (const Json& entry : v) {
+    const auto group = parse_light_group(entry.is_string() ? entry.get<std::string>() : "");
+    if (!group) return "holds something other than \"NAME=NODE,NODE\"";
+    job.light_groups.push_back(*group);
+  }
+  return {};
+}
 
 const std::map<std::string, Reader>& readers() {
   static const std::map<std::string, Reader> table = {
@@ -221,6 +252,9 @@ const std::map<std::string, Reader>& readers() {
          return {};
        }},
       {"size", read_size},
+      {"region", parsed_into(&Job::region, parse_pixel_rect)},
+      {"overscan", parsed_into(&Job::overscan, parse_overscan)},
+      {"light_groups", read_light_groups},
       {"samples", int_into(&Job::samples)},
       {"technique", text_into(&Job::technique)},
       {"transparency", text_into(&Job::transparency)},

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/knob.h"
+#include "base/pixel_rect.h"
 #include "image/io.h"
 #include "look/motion.h"
 #include "scene/view.h"
@@ -24,6 +25,22 @@ Expected<FrameRate> parse_frame_rate(const std::string& text);
 // duplicates.
 Expected<std::vector<int64_t>> parse_frame_list(const std::string& text);
 
+// What a picture reaches beyond the size that is shown: pixels on each side, or a percentage of the width on the left
+// and right and of the height above and below.
+struct Overscan {
+  double amount = 0;
+  bool percent = false;
+  bool operator==(const Overscan&) const = default;
+};
+// Lights by the names of their nodes; `*` stands for any letters. Their light on surfaces is the layer light_NAME.
+struct LightGroupRequest {
+  std::string name;
+  std::vector<std::string> nodes;
+  std::string layer() const { return "light_" + name; }
+  bool operator==(const LightGroupRequest&) const = default;
+};
+inline constexpr std::string_view other_lights = "rest";  // name of the group of lights that no other has
+
 // Everything that decides a picture, as a plain value. Written into EXR metadata as JSON, so that any frame can be made
 // again.
 struct Job {
@@ -32,6 +49,8 @@ struct Job {
   std::string animation = "all";  // "auto", "all", "none", an index or a name (scene/pose.h)
   CameraRequest camera;
   int width_px = 1280, height_px = 720;
+  std::optional<PixelRect> region;  // what is rendered of the picture; its corner may lie in the overscan
+  Overscan overscan;
   int samples = 0;  // MSAA samples 1, 2, 4 or 8; 0: as the quality says
   std::string technique = "clustered";
   std::string transparency = "sorted";  // how blended surfaces come over each other (candela list transparency)
@@ -49,15 +68,16 @@ struct Job {
   std::string sides = "auto";        // light from behind single-sided faces: block, open, or by the scene
   std::string variant;               // of materials, by its name in the file; empty: the default materials
   // Shutter and lens; absent: as the look says, else an instant and a pinhole (job/picture_camera.h).
-  std::optional<double> shutter_s;         // how long it is open, half before the frame's time and half after it
-  std::optional<double> f_stop;            // focal length over the diameter of the opening; 0: a pinhole
-  std::optional<double> sensor_mm;         // height of the sensor
-  std::string focus;                       // metres, inf, or the name of a node; empty: as the look says
-  std::optional<double> iso;               // with it f-stop, shutter and this speed say the exposure
-  std::string probe;                       // a sphere before the camera: white, grey, chrome; empty: none
-  std::optional<float> exposure_ev;        // absent: as the look says, else 0
-  std::string tonemap;                     // a curve (tonemap_names()); empty: as the look says, else agx
-  std::vector<std::string> layers;         // beside beauty
+  std::optional<double> shutter_s;   // how long it is open, half before the frame's time and half after it
+  std::optional<double> f_stop;      // focal length over the diameter of the opening; 0: a pinhole
+  std::optional<double> sensor_mm;   // height of the sensor
+  std::string focus;                 // metres, inf, or the name of a node; empty: as the look says
+  std::optional<double> iso;         // with it f-stop, shutter and this speed say the exposure
+  std::string probe;                 // a sphere before the camera: white, grey, chrome; empty: none
+  std::optional<float> exposure_ev;  // absent: as the look says, else 0
+  std::string tonemap;               // a curve (tonemap_names()); empty: as the look says, else agx
+  std::vector<std::string> layers;   // beside beauty
+  std::vector<LightGroupRequest> light_groups;
   double motion_s = 1.0 / 24;              // of the layer motion: from the frame before, 1 / --fps
   std::string view = "beauty";             // what PNG and video show: beauty, a layer, or debug.PASS.IMAGE[mip,layer]
   std::string background = "transparent";  // a colour or "R,G,B", where there is no sky (job/background.h)
@@ -79,8 +99,11 @@ inline bool is_sky_word(std::string_view sky) {
 }
 std::string job_json(const Job& job);  // stable order; one line
 Expected<Job> job_from_json(const std::string& text);
-Expected<std::pair<int, int>> parse_size(const std::string& text);  // "1280x720", "1080p", "4k"
-Expected<KnobSetting> parse_knob_setting(const std::string& text);  // "PASS.KNOB=VALUE"
+Expected<std::pair<int, int>> parse_size(const std::string& text);       // "1280x720", "1080p", "4k"
+Expected<PixelRect> parse_pixel_rect(const std::string& text);           // "X,Y,W,H"; X and Y may be negative
+Expected<Overscan> parse_overscan(const std::string& text);              // "64" or "10%"
+Expected<LightGroupRequest> parse_light_group(const std::string& text);  // "NAME=NODE,NODE"
+Expected<KnobSetting> parse_knob_setting(const std::string& text);       // "PASS.KNOB=VALUE"
 // Names and ranges: an unknown technique, layer or knob is an error that lists the names and suggests the nearest.
 Expected<void> check_job(const Job& job);
 // Whether files of these layers keep what they must: Cryptomatte's ids are the bits of 32-bit floats, which some

@@ -4,6 +4,7 @@
 #include "job/dump_request.h"
 #include "job/frame_choices.h"
 #include "job/job.h"
+#include "job/picture_window.h"
 #include "scene/cut_outs.h"
 #include "scene/probe.h"
 #include "scene/shading.h"
@@ -93,11 +94,7 @@ Expected<void> check_compression(const std::vector<std::string>& layers, ExrComp
 }
 
 Expected<void> check_job(const Job& job) {
-  // 16384 is the image size that every Vulkan 1.3 desktop driver offers; lavapipe stops there.
-  constexpr int max_side_px = 16384;
-  if (job.width_px < 1 || job.height_px < 1 || job.width_px > max_side_px || job.height_px > max_side_px)
-    return fail(ErrorKind::usage, "--size", "{}x{} is outside 1x1 to {}x{}", job.width_px, job.height_px, max_side_px,
-                max_side_px);
+  if (auto fits = check_window(job); !fits) return fits;
   constexpr std::array<int, 5> sample_counts = {0, 1, 2, 4, 8};  // 0: as the quality says
   if (std::find(sample_counts.begin(), sample_counts.end(), job.samples) == sample_counts.end())
     return fail(ErrorKind::usage, "--samples", "{} is none of 1, 2, 4 and 8", job.samples);

@@ -8,6 +8,7 @@
 #include "job/choose_occlusion.h"
 #include "job/choose_transparency.h"
 #include "job/job_look.h"
+#include "job/picture_window.h"
 #include "passes/post/resolve.h"
 #include "passes/post/supersample.h"
 #include "passes/shared/knob_values.h"
@@ -26,8 +27,10 @@ FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedO
   const DisplayLook display = display_look(job, look);
   FrameRequest request;
   request.look = std::move(look);
-  request.width_px = job.width_px;
-  request.height_px = job.height_px;
+  const PictureWindow window = picture_window(job);
+  request.width_px = window.width_px;
+  request.height_px = window.height_px;
+  if (!window.is_whole()) request.region = window.part;
   // Supersampling takes the place of multisampling.
   request.samples = knobs.get<Supersample::Knobs>().pictures() > 1 ? 1 : knobs.get<Resolve::Knobs>().samples;
   request.want_linear = wanted.linear;

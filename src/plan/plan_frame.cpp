@@ -156,6 +156,23 @@ void complete_upload(const LitFrame& lit, const TracedFrame& traced, double leas
   if (traced.rays && traced.traced.surfaces) add_drawn_items(packed.draws, upload);
 }
 
+// The camera's culling planes are those of the part alone, and a margin for the samples of its pixels.
+void cull_beyond(const PixelRect& part, const View& view, const FrameRequest& request, FrameUpload& upload) {
+  constexpr int margin_px = 2;
+  const PixelRect r = grown(part, margin_px, 1, request.width_px, request.height_px);
+  const glm::dvec2 size(request.width_px, request.height_px);
+  const glm::dvec2 low = 2.0 * glm::dvec2(r.x, r.y) / size - 1.0,
+                   high = 2.0 * glm::dvec2(r.end_x(), r.end_y()) / size - 1.0;
+  const glm::dvec2 middle = 0.5 * (low + high), half = 0.5 * (high - low);
+  glm::dmat4 part_from_clip(1.0);
+  for (int axis = 0; axis < 2; ++axis) {
+    part_from_clip[axis][axis] = 1 / half[axis];
+    part_from_clip[3][axis] = -middle[axis] / half[axis];
+  }
+  const FrustumPlanes planes = frustum_planes(part_from_clip * view.clip_from_relative);
+  for (size_t p = 0; p < 5; ++p) upload.constants.planes[p] = glm::vec4(planes[p]);
+}
+
 std::vector<DumpRequest> dump_requests(const Job& job, const WantedOutputs& wanted) {
   std::vector<DumpRequest> requests = wanted.dumps;
   if (const auto image = image_of_view(job.view); image && wanted.display) requests.push_back(*image);
@@ -165,10 +182,11 @@ std::vector<DumpRequest> dump_requests(const Job& job, const WantedOutputs& want
 // The graph of the frame, which is filled once; frames with dumps are filled a second time, for only a plan knows which
 // images are made.
 Expected<void> plan_graph(const AskedFrame& asked, const PlanContext& context, const WantedOutputs& wanted,
-                          PlannedFrame& f) {
+                          const std::optional<PictureParts>& parts, PlannedFrame& f) {
   const std::vector<DumpRequest> requests = dump_requests(asked.job, wanted);
   const auto fill = [&](GraphBuilder& builder) {
     f.imports.clear();
+    if (parts) builder.restrict_picture(*parts);
     const SceneInputs inputs = import_scene(builder, context, f);
     Frame frame{builder, f.facts, f.request, asked.knobs, {}, {}};
     if (!f.dumps.empty())
@@ -225,13 +243,15 @@ Expected<PlannedFrame> plan_one(const Job& job, const PlanContext& context, cons
 
   clock.begin("plan");
   complete_upload(*lit, traced, context.layout.least_light_distance_m, *packed);
+  const auto parts = picture_parts(frame->facts, frame->request, asked->knobs, frame->notes);
+  if (parts) cull_beyond(parts->seen, frame->view, frame->request, packed->upload);
   PlannedFrame f{std::move(*frame), std::move(*packed), std::move(*lit), std::move(traced)};
   f.textures = asked->knobs.get<TextureKnobs>();
   f.surfaces = asked->knobs.get<SurfaceKnobs>();
   f.image_light = asked->knobs.get<IblKnobs>();
   f.probes = asked->knobs.get<ProbeKnobs>();
   f.stores_samples = context.stores_samples && asked->knobs.get<SampleStoreKnobs>().in != SampleStoreKnobs::buffer;
-  if (auto fine = plan_graph(*asked, context, wanted, f); !fine) return std::unexpected(fine.error());
+  if (auto fine = plan_graph(*asked, context, wanted, parts, f); !fine) return std::unexpected(fine.error());
   add_notes(f, asked->knobs);
   clock.end();
   f.clock = std::move(clock);

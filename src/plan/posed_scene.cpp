@@ -4,6 +4,7 @@
 
 #include "base/log.h"
 #include "base/text.h"
+#include "job/picture_window.h"
 #include "plan/scene_motion.h"
 #include "scene/cut_outs.h"
 #include "scene/probe.h"
@@ -57,7 +58,8 @@ Expected<ImageWindow> seen_by_subframe(const Scene& scene, const Job& job, const
     point.from_middle_m = subframe.lens * point.radius_m;
     if (!posed.view.perspective) posed.view.notes.push_back("an orthographic camera has no lens: --fstop does nothing");
   }
-  return look_through(posed.view, point, subframe.offset_px, job.width_px, job.height_px, most_px);
+  const PictureWindow picture = picture_window(job);
+  return look_through(posed.view, point, subframe.offset_px, picture.width_px, picture.height_px, most_px);
 }
 
 }  // namespace
@@ -84,6 +86,9 @@ Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_
     auto view = make_view(scene, out.pose, camera_at(job.camera, time_s), job.width_px, job.height_px, bounds);
     if (!view) return std::unexpected(view.error());
     out.view = std::move(*view);
+    if (const PictureWindow w = picture_window(job); w.width_px != w.display_width || w.height_px != w.display_height)
+      out.view = with_overscan(std::move(out.view), double(w.width_px) / w.display_width,
+                               double(w.height_px) / w.display_height);
     place_probe(scene, out.pose, out.view, bounds);
   }
   if (subframe && subframe->role == SubframePart::Role::subframe) {

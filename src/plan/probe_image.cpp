@@ -42,6 +42,7 @@ int face_of(glm::dvec3 d) {
 
 Job probe_job(Job job, const ProbeKnobs& knobs) {
   job.width_px = job.height_px = side_of(knobs);
+  job.region.reset(), job.overscan = {};
   job.layers.clear();
   job.view = "beauty";
   job.background = "transparent";

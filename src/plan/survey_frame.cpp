@@ -46,6 +46,16 @@ Expected<void> check_divided(SurveyedFrame& f) {
   return {};
 }
 
+// The frame of a subframe is larger than the picture, and what is wanted of it lies elsewhere.
+void widen(const ImageWindow& window, FrameRequest& request) {
+  request.part.first_px = window.first_px, request.part.offset_px = window.offset_px;
+  if (window.margin_px == glm::ivec2(0)) return;
+  PixelRect wanted = request.region.value_or(PixelRect{0, 0, request.width_px, request.height_px});
+  wanted.x += window.first_px.x, wanted.y += window.first_px.y;
+  request.region = wanted;
+  request.width_px += 2 * window.margin_px.x, request.height_px += 2 * window.margin_px.y;
+}
+
 // Gives lights without a range one, as the knobs say.
 void end_lights(const LightRangeKnobs& knobs, const Scene& scene, SurveyedFrame& f) {
   LightEnd end{std::max(knobs.floor_lux, 0.0f)};
@@ -88,11 +98,7 @@ Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext&
                           context.subframe);
   if (!posed) return std::unexpected(posed.error());
   f.pose = std::move(posed->pose), f.view = std::move(posed->view), f.data = std::move(posed->data);
-  if (f.request.part.role == SubframePart::Role::subframe) {
-    f.request.width_px += 2 * posed->window.margin_px.x, f.request.height_px += 2 * posed->window.margin_px.y;
-    f.request.part.first_px = posed->window.first_px;
-    f.request.part.offset_px = posed->window.offset_px;
-  }
+  if (f.request.part.role == SubframePart::Role::subframe) widen(posed->window, f.request);
   if (const auto& paths = context.scene.paths) f.notes.insert(f.notes.end(), paths->notes.begin(), paths->notes.end());
   if (std::string note = clip_note(context.scene, job.animation); !note.empty()) f.notes.push_back(std::move(note));
   if (context.sky) f.sky = context.sky->at(f.request.look, f.data, f.notes);

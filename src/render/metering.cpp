@@ -29,6 +29,7 @@ double below(std::vector<double>& values, double fraction) {
 Expected<double> metered_ev(const Job& job) {
   constexpr int longest_px = 64, times = 5;
   Job small = job;
+  small.region.reset();
   const double scale = double(longest_px) / std::max(job.width_px, job.height_px);
   if (scale < 1) {
     small.width_px = std::max(1, int(std::lround(job.width_px * scale)));

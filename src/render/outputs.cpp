@@ -147,6 +147,7 @@ FloatImage linear_image(const FrameResult& frame, const Job& job, const Session&
   FloatImage image;
   image.width = frame.width_px;
   image.height = frame.height_px;
+  set_windows(image, frame.window);
   for (const FrameOutput& output : frame.outputs) {
     if (!in_exr(output, job)) continue;
     CHECK_MSG(output.packing == Packing::texels, output.layer);
@@ -270,6 +271,7 @@ LinearPicture linear_picture(const FrameResult& frame, const Job& job, const Ses
   if (!wanted || (nonfinite.count > 0 && !job.allow_nonfinite)) return picture;
   PictureView& view = picture.file.view;
   view.width = frame.width_px, view.height = frame.height_px;
+  set_windows(view, frame.window);
   for (const FrameOutput& output : frame.outputs)
     if (in_exr(output, job)) add_planes(picture.file, frame, output);
   view.metadata = metadata_of(frame, job, session, frame_number, rate);

@@ -358,14 +358,19 @@ Expected<ImageWindow> look_through(View& view, const LensPoint& point, glm::dvec
                   point.focus_m, 2 * point.radius_m, size.x + 2 * most.x);
     window.margin_px = most;
     const glm::dvec2 wider = (size + 2.0 * most) / size;
-    view.tan_x *= wider.x, view.tan_y *= wider.y;
-    view.clip_from_view = perspective_reversed_infinite(view.tan_x, view.tan_y, view.near_m);
-    view = finished(std::move(view));
+    view = with_overscan(std::move(view), wider.x, wider.y);
   }
   const glm::dvec2 whole = window.margin_px == glm::ivec2(0) ? glm::dvec2(0) : glm::round(shift);
   window.first_px = window.margin_px + glm::ivec2(whole);
   window.offset_px = shift - whole;
   return window;
+}
+
+View with_overscan(View view, double across, double down) {
+  view.tan_x *= across, view.tan_y *= down;
+  view.clip_from_view = view.perspective ? perspective_reversed_infinite(view.tan_x, view.tan_y, view.near_m)
+                                         : orthographic_reversed(view.tan_x, view.tan_y, view.near_m, view.far_m);
+  return finished(std::move(view));
 }
 
 View view_of_face(glm::dvec3 position, int face, double tan_half, double near_m) {

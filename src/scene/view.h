@@ -69,6 +69,8 @@ class DrawnBounds {
 Expected<View> make_view(const Scene& scene, const Pose& pose, const CameraRequest& request, int width_px,
                          int height_px, const DrawnBounds& bounds);
 
+// The node of the camera that a request names, or of the first one; -1: the file has none. Errors (usage): no such one.
+Expected<int> find_camera_node(const Scene& scene, const std::string& camera);
 // The node of the file that carries the camera of a request; -1: it is none of the file's, or there is none.
 int camera_node_of(const Scene& scene, const CameraRequest& request);
 
@@ -90,8 +92,9 @@ struct ImageWindow {
 // alone. Error (usage): the plane of focus is so near that the image is larger than most_px.
 Expected<ImageWindow> look_through(View& view, const LensPoint& point, glm::dvec2 offset_px, int width_px,
                                    int height_px, int most_px);
-// The node of the camera that a request names, or of the first one; -1: the file has none. Errors (usage): no such one.
-Expected<int> find_camera_node(const Scene& scene, const std::string& camera);
+
+// The same camera with a picture that reaches beyond on all sides: by these factors as wide and as high.
+View with_overscan(View view, double across, double down);
 
 // One of the six square views about a point: along +X, -X, +Y, -Y, +Z, -Z. tan_half: tangent of the half angle.
 View view_of_face(glm::dvec3 position, int face, double tan_half, double near_m);

@@ -360,8 +360,9 @@ Expected<FrameTicket> DeviceSession::begin_frame(const Job& job, double time_s, 
     if (!ticket) return ticket;
     count_lamp_maps(planned->lamps, result.timings);
     result.timings.uploaded_bytes = device_->uploaded_bytes() - uploaded_before;
-    result.width_px = job_.width_px;
-    result.height_px = job_.height_px;
+    result.window = picture_window(job_);
+    result.width_px = result.window.part.width;
+    result.height_px = result.window.part.height;
     result.view = planned->view;
     result.request = planned->request;
     result.outputs = planned->outputs;

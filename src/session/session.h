@@ -10,6 +10,7 @@
 #include "gpu/frame_runner.h"
 #include "graph/plan.h"
 #include "job/job.h"
+#include "job/picture_window.h"
 #include "job/wanted_outputs.h"
 #include "plan/frame_dumps.h"
 #include "scene/survey.h"
@@ -53,7 +54,8 @@ double process_clock_us();  // microseconds since the process began
 
 // A rendered frame before encoding. The pixel data is in mapped device memory, kept alive by the shared pointers.
 struct FrameResult {
-  int width_px = 0, height_px = 0;
+  int width_px = 0, height_px = 0;  // of what is put out
+  PictureWindow window;             // where that lies
   double time_s = 0;
   View view;
   FrameRequest request;

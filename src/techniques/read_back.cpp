@@ -59,14 +59,15 @@ void read_back(Frame& frame, const SceneInputs& scene, ImageHandle beauty, Image
   for (const auto& [layer, image] : frame.builder.published())
     if (request.has_layer(layer) && !(request.view_is_light && request.shown_alone(layer))) want(layer, image, true);
 
-  Pack::In packed{{}, scene.width_px, scene.height_px};
-  Readback::In copied;
+  const PixelRect part = request.region.value_or(PixelRect{0, 0, int(scene.width_px), int(scene.height_px)});
+  Pack::In packed{{}, uint32_t(part.width), uint32_t(part.height), {part.x, part.y}};
+  Readback::In copied{{}, request.region};
   for (Wanted& each : wanted) {
     FrameOutput& output = each.output;
     const std::string name =
         layer_form(output.layer) == LayerForm::matte ? fmt::format("{}{:02}", output.layer, output.part) : output.layer;
     if (output.packing == Packing::texels) {
-      const uint64_t bytes = uint64_t(scene.width_px) * scene.height_px * format_bytes(output.format);
+      const uint64_t bytes = uint64_t(part.width) * uint64_t(part.height) * format_bytes(output.format);
       copied.sources.push_back({name, each.image, bytes});
       continue;
     }

@@ -14,6 +14,10 @@
 
 namespace candela {
 
+// What passes work on of the picture where a region of it is wanted; absent: all of it, and notes say why.
+std::optional<PictureParts> picture_parts(const SceneFacts& facts, const FrameRequest& request, const KnobValues& knobs,
+                                          std::vector<std::string>& notes);
+
 // A frame is surfaces -> lighting -> composite -> post. Each is a function that techniques share; a technique is how
 // surfaces meet lights.
 

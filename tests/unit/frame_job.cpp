@@ -18,6 +18,9 @@ Job rich_job() {
   job.quality = "exact";
   job.transparency = "weighted";
   job.variant = "beach", job.up = "z";
+  job.region = PixelRect{-3, 2, 7, 5};
+  job.overscan = {12.5, true};
+  job.light_groups = {{"key", {"Sun", "Lamp*"}}, {"fill", {"Fill"}}};
   job.settings = {{"cull", "enabled", "0"}, {"a", "b", "-1.5"}};
   job.sky = "sky.hdr";
   job.look = "look.json";
@@ -74,6 +77,10 @@ TEST(JobJson, TellsApartJobsThatDifferInOneMember) {
   add([](Job& j) { j.scene = "x"; });
   add([](Job& j) { j.animation = "x"; });
   add([](Job& j) { j.camera.camera = "x"; });
+  add([](Job& j) { j.region = PixelRect{0, 0, 1, 1}; });
+  add([](Job& j) { j.overscan = {1, false}; });
+  add([](Job& j) { j.overscan = {1, true}; });
+  add([](Job& j) { j.light_groups = {{"x", {"y"}}}; });
   add([](Job& j) { j.camera.eye = glm::dvec3(1); });
   add([](Job& j) { j.camera.target = glm::dvec3(1); });
   add([](Job& j) { j.camera.yfov_deg = 1; });

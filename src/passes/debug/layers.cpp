@@ -45,7 +45,7 @@ void Layers::record(CommandList& commands, const In& in, const Out& out) const {
   std::vector<CommandList::Attachment> colors;
   for (const ImageHandle image : out.images)
     if (image) colors.push_back({image});
-  commands.begin_rendering(colors, out.drawn.depth);
+  commands.begin_picture(colors, out.drawn.depth);
   record_batches(commands, in.scene, in.draws, in.deformed, out.drawn.pipelines,
                  in.wanted[size_t(Layer::direct)] ? &in.lists : nullptr);
   commands.end_rendering();

@@ -26,7 +26,7 @@ LightHeat::Out LightHeat::declare(GraphBuilder& builder, const In& in) const {
 void LightHeat::record(CommandList& commands, const In& in, const Out& out) const {
   std::vector<CommandList::Attachment> colors;
   for (const ImageHandle image : out.counts) colors.push_back({image});
-  commands.begin_rendering(colors, out.drawn.depth);
+  commands.begin_picture(colors, out.drawn.depth);
   record_batches(commands, in.scene, in.draws, in.deformed, out.drawn.pipelines, &in.lists);
   commands.end_rendering();
 }

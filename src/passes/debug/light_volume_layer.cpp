@@ -31,7 +31,7 @@ LightVolumeLayer::Out LightVolumeLayer::declare(GraphBuilder& builder, const In&
 
 void LightVolumeLayer::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment target{out.count};
-  commands.begin_rendering({&target, 1}, {});
+  commands.begin_picture({&target, 1}, {});
   if (in.volumes.draws) {
     OwnInputs own;
     own.deformed_before = in.volumes.lists;

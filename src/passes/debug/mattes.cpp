@@ -52,7 +52,7 @@ MatteIds::Out MatteIds::declare(GraphBuilder& builder, const In& in) const {
 
 void MatteIds::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment ids{out.ids, {}, range_of(in.scene)};
-  commands.begin_rendering(std::span(&ids, 1), in.depth);
+  commands.begin_picture(std::span(&ids, 1), in.depth);
   record_batches(commands, in.scene, in.draws, in.deformed, out.pipelines, nullptr, nullptr,
                  {matte == Matte::object ? in.scene.object_mattes : in.scene.material_mattes, {}});
   commands.end_rendering();
@@ -121,7 +121,7 @@ void MatteRanks::record(CommandList& commands, const In& in, const Out& out) con
   for (uint32_t i = 0; i < MATTE_LEVELS_A_STEP && first + i < out.levels.size(); ++i)
     push.targets[i] = commands.storage(out.levels[first + i]);
   commands.push(push);
-  commands.dispatch(in.width_px, in.height_px);
+  commands.dispatch_picture(in.width_px, in.height_px);
 }
 
 }  // namespace candela

@@ -23,7 +23,7 @@ MotionLayer::Out MotionLayer::declare(GraphBuilder& builder, const In& in) const
 
 void MotionLayer::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment motion{out.motion};
-  commands.begin_rendering(std::span(&motion, 1), out.drawn.depth);
+  commands.begin_picture(std::span(&motion, 1), out.drawn.depth);
   if (in.scene.motion)
     record_batches(commands, in.scene, in.draws, in.deformed, out.drawn.pipelines, nullptr, nullptr,
                    {in.scene.motion, in.deformed_before});

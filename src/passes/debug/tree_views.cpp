@@ -39,7 +39,7 @@ void TraversalHeat::record(CommandList& commands, const In& in, const Out& out) 
   }
   commands.bind(out.pipeline);
   commands.push(shared::TraversalHeatPush{commands.address(in.scene.trees), {0, 0}, commands.storage(out.cost)});
-  commands.dispatch(in.scene.width_px, in.scene.height_px);
+  commands.dispatch_picture(in.scene.width_px, in.scene.height_px);
 }
 
 Need TreeBoxes::needed(const SceneFacts&, const FrameRequest& request) const {
@@ -68,7 +68,7 @@ TreeBoxes::Out TreeBoxes::declare(GraphBuilder& builder, const In& in) const {
 
 void TreeBoxes::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment lines{out.lines};
-  commands.begin_rendering({&lines, 1}, {});
+  commands.begin_picture({&lines, 1}, {});
   commands.bind(out.pipeline);
   commands.set_cull(false, false);
   const std::vector<TreeRange> none, &trees = in.scene.trees ? *in.scene.tree_ranges : none;

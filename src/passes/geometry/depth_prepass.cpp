@@ -44,7 +44,7 @@ DepthPrepass::Out DepthPrepass::declare(GraphBuilder& builder, const In& in) con
 }
 
 void DepthPrepass::record(CommandList& commands, const In& in, const Out& out) const {
-  commands.begin_rendering({}, out.depth);
+  commands.begin_picture({}, out.depth, PicturePart::seen);
   record_batches(commands, in.scene, in.draws, in.deformed, out.pipelines);
   commands.end_rendering();
 }

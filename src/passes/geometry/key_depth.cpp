@@ -67,7 +67,7 @@ KeyDepth::Out KeyDepth::declare(GraphBuilder& builder, const In& in) const {
 }
 
 void KeyDepth::record(CommandList& commands, const In& in, const Out& out) const {
-  commands.begin_rendering({}, out.depth);
+  commands.begin_picture({}, out.depth, PicturePart::seen);
   shared::SamplesPush push{};
   push.source = commands.address(in.keys);
   push.size_px = {in.width_px, in.height_px};

@@ -40,7 +40,7 @@ void TraceKeys::record(CommandList& commands, const In& in, const Out& out) cons
   if (s.rays.tree.traversal == BvhKnobs::by_pipeline)
     commands.trace_rays(s.width_px, s.height_px);
   else
-    commands.dispatch(s.width_px, s.height_px);
+    commands.dispatch_picture(s.width_px, s.height_px, PicturePart::seen);
 }
 
 }  // namespace candela

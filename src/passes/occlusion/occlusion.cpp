@@ -217,7 +217,7 @@ void AmbientOcclusion::record(CommandList& commands, const In& in, const Out& ou
     push_depth(commands, in.depth, push);
     push.points = commands.storage(out.points);
     commands.push(push);
-    commands.dispatch(in.scene.width_px, in.scene.height_px);
+    commands.dispatch_picture(in.scene.width_px, in.scene.height_px, PicturePart::seen);
     return;
   }
   // Without a radius what the screen shows hides as far as a part of the distance, in which lengths are then meant.
@@ -260,7 +260,7 @@ void AmbientOcclusion::record(CommandList& commands, const In& in, const Out& ou
       push.pattern = {in.seed & 3u, in.seed >> 2 & 3u};
       commands.push(push);
     }
-    commands.dispatch(size.x, size.y);
+    commands.dispatch_picture(size.x, size.y, PicturePart::shaded, uint32_t(knobs.texel_px));
     return;
   }
   const size_t round = step - 2;
@@ -290,7 +290,7 @@ void AmbientOcclusion::record(CommandList& commands, const In& in, const Out& ou
     push.subsample_ndc = in.scene.subsample_ndc;
     commands.push(push);
   }
-  commands.dispatch(size.x, size.y);
+  commands.dispatch_picture(size.x, size.y, PicturePart::shaded, uint32_t(knobs.texel_px));
 }
 
 }  // namespace candela

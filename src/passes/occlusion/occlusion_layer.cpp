@@ -33,7 +33,7 @@ OcclusionLayer::Out OcclusionLayer::declare(GraphBuilder& builder, const In& in)
 void OcclusionLayer::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment color{out.layer};
   const Lighting lists = lists_of(in);
-  commands.begin_rendering({&color, 1}, out.drawn.depth);
+  commands.begin_picture({&color, 1}, out.drawn.depth);
   record_batches(commands, in.scene, in.draws, in.deformed, out.drawn.pipelines, &lists);
   commands.end_rendering();
 }

@@ -35,7 +35,8 @@ struct Pack {
       bool depth = false;              // infinity is the background
     };
     std::vector<Source> sources;
-    uint32_t width_px = 0, height_px = 0;
+    uint32_t width_px = 0, height_px = 0;  // of what is packed
+    glm::uvec2 corner_px{0};               // where that begins in the picture
   };
   struct Out {
     std::vector<BufferHandle> buffers;  // parallel to the sources; empty of those only looked at

@@ -16,7 +16,11 @@ Readback::Out Readback::declare(GraphBuilder& builder, const In& in) const {
 }
 
 void Readback::record(CommandList& commands, const In& in, const Out& out) const {
-  for (size_t i = 0; i < in.sources.size(); ++i) commands.copy_to_buffer(in.sources[i].image, out.buffers[i]);
+  for (size_t i = 0; i < in.sources.size(); ++i)
+    if (in.part)
+      commands.copy_part_to_buffer(in.sources[i].image, out.buffers[i], *in.part);
+    else
+      commands.copy_to_buffer(in.sources[i].image, out.buffers[i]);
 }
 
 }  // namespace candela

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "passes/shared/pass.h"
@@ -15,6 +16,7 @@ struct Readback {
       uint64_t bytes = 0;
     };
     std::vector<Source> sources;
+    std::optional<PixelRect> part = {};  // of the picture; absent: all
   };
   struct Out {
     std::vector<BufferHandle> buffers;  // parallel to the sources

@@ -39,7 +39,7 @@ void Resolve::record(CommandList& commands, const In& in, const Out& out) const 
   push.target = commands.storage(out.resolved);
   push.size_px = {in.width_px, in.height_px};
   commands.push(push);
-  commands.dispatch(in.width_px, in.height_px);
+  commands.dispatch_picture(in.width_px, in.height_px);
 }
 
 }  // namespace candela

@@ -51,7 +51,7 @@ void Supersample::record(CommandList& commands, const In& in, const Out& out) co
   push.fraction = 1.0f / float(knobs.pictures());
   push.size_px = {in.width_px, in.height_px};
   commands.push(push);
-  commands.dispatch(in.width_px, in.height_px);
+  commands.dispatch_picture(in.width_px, in.height_px);
 }
 
 }  // namespace candela

@@ -42,7 +42,7 @@ void Tonemap::record(CommandList& commands, const In& in, const Out& out) const 
   if (in.automatic) push.automatic = commands.address(in.automatic);
   push.agx_min_ev = in.agx_min_ev, push.agx_max_ev = in.agx_max_ev;
   commands.push(push);
-  commands.dispatch(in.width_px, in.height_px);
+  commands.dispatch_picture(in.width_px, in.height_px);
 }
 
 }  // namespace candela

@@ -224,7 +224,7 @@ void Reflections::record(CommandList& commands, const In& in, const Out& out) co
     std::vector<CommandList::Attachment> colors = {
         {out.reflected.surface}, {out.reflected.reflectance}, {out.reflected.sky}};
     if (out.fog) colors.push_back({out.fog});
-    commands.begin_rendering(colors, out.reflected.z);
+    commands.begin_picture(colors, out.reflected.z);
     record_batches(commands, scene, in.draws, in.deformed, out.drawn, &in.lists, &in.lists);
     commands.end_rendering();
   } else if (step > last) {
@@ -313,7 +313,7 @@ ReflectionsOver::Out ReflectionsOver::declare(GraphBuilder& builder, const In& i
 
 void ReflectionsOver::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment color{out.color};
-  commands.begin_rendering({&color, 1}, {});
+  commands.begin_picture({&color, 1}, {});
   record_reflected(commands, in.scene, in.reflected, in.depth, out.pipeline);
   commands.end_rendering();
 }

@@ -99,7 +99,7 @@ void LightRays::record(CommandList& commands, const In& in, const Out& out) cons
   own.number = rooms_of(in.scene, in.lists.rays, knobs).words;
   commands.bind(out.pipeline);
   commands.push(draw_push(commands, in.scene, in.deformed, &in.lists, nullptr, own));
-  commands.dispatch(in.scene.width_px, in.scene.height_px);
+  commands.dispatch_picture(in.scene.width_px, in.scene.height_px);
 }
 
 }  // namespace candela

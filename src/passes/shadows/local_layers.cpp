@@ -22,7 +22,7 @@ LocalLayers::Out LocalLayers::declare(GraphBuilder& builder, const In& in) const
 
 void LocalLayers::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment color{out.image};
-  commands.begin_rendering({&color, 1}, out.drawn.depth);
+  commands.begin_picture({&color, 1}, out.drawn.depth);
   record_batches(commands, in.scene, in.draws, in.deformed, out.drawn.pipelines, &in.lists);
   commands.end_rendering();
 }

@@ -60,7 +60,7 @@ PipelineHandle declare_sums_over(GraphBuilder& builder, const SceneInputs& scene
 void record_sums_over(CommandList& commands, const SceneInputs& scene, PipelineHandle over, ImageHandle sum,
                       ImageHandle absorbed, ImageHandle color) {
   const CommandList::Attachment drawn{color};
-  commands.begin_rendering({&drawn, 1}, {});
+  commands.begin_picture({&drawn, 1}, {});
   commands.bind(over);
   draw_samples(commands, scene.samples, shared::SumsPush{commands.sampled(sum), commands.sampled(absorbed), 0});
   commands.end_rendering();

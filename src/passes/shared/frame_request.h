@@ -7,6 +7,7 @@
 
 #include <glm/glm.hpp>
 
+#include "base/pixel_rect.h"
 #include "look/look.h"
 
 namespace candela {
@@ -27,10 +28,11 @@ struct SubframePart {
 
 // What the job wants of the frame.
 struct FrameRequest {
-  int width_px = 1280, height_px = 720;
-  int samples = 4;            // MSAA: 1 or 4
-  bool want_linear = true;    // EXR: linear beauty
-  bool want_display = false;  // PNG or video: tone-mapped
+  int width_px = 1280, height_px = 720;  // of the whole picture, with overscan
+  std::optional<PixelRect> region = {};  // what is wanted of it; absent: all
+  int samples = 4;                       // MSAA: 1 or 4
+  bool want_linear = true;               // EXR: linear beauty
+  bool want_display = false;             // PNG or video: tone-mapped
   // What is read back is packed as files hold it (passes/post/pack.h); else it is texels.
   bool for_files = false;
   bool exr_float = false;                   // colours are stored in 32 bits
@@ -39,9 +41,10 @@ struct FrameRequest {
   std::optional<uint32_t> behind_rgb = {};  // display output is laid over these sRGB codes there; else it has alpha
   bool sky_hidden = false;                  // the sky lights and is mirrored; behind everything is the background
   std::vector<std::string> layers;  // beside beauty: depth, normal, albedo, object_id, material_id, emission, direct
-  std::string view = "beauty";      // what display output shows: beauty, a layer, or an image of the frame
-  bool view_is_light = true;        // it goes through exposure and tone curve
-  bool view_alone = false;          // the layer that it shows is asked for by nothing else
+  std::vector<std::string> light_groups = {};  // layers of light by named lights; the last is that of all others
+  std::string view = "beauty";                 // what display output shows: beauty, a layer, or an image of the frame
+  bool view_is_light = true;                   // it goes through exposure and tone curve
+  bool view_alone = false;                     // the layer that it shows is asked for by nothing else
   std::string technique = "clustered";
   std::string transparency = "sorted";  // how blended surfaces come over each other (techniques/technique.h)
   std::string tonemap = "agx";

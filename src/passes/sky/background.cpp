@@ -34,7 +34,7 @@ Background::Out Background::declare(GraphBuilder& builder, const In& in) const {
 
 void Background::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment color{out.color};
-  commands.begin_rendering({&color, 1}, out.pipeline ? in.depth : ImageHandle{});
+  commands.begin_picture({&color, 1}, out.pipeline ? in.depth : ImageHandle{});
   if (out.pipeline) {
     commands.bind(out.pipeline);
     const auto& [r, g, b, a] = in.scene.background;

@@ -31,7 +31,7 @@ Sky::Out Sky::declare(GraphBuilder& builder, const In& in) const {
 
 void Sky::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment color{out.color};
-  commands.begin_rendering({&color, 1}, in.depth);
+  commands.begin_picture({&color, 1}, in.depth);
   commands.bind(out.pipeline);
   commands.push(sky_push(commands, in.scene, in.lists));
   commands.set_cull(false, false);

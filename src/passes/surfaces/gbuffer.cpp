@@ -70,7 +70,7 @@ void GBuffer::record(CommandList& commands, const In& in, const Out& out) const 
   const uint32_t first = commands.step() == 0 ? 0 : own, last = commands.step() == 0 ? own : out.gbuffer.count;
   std::vector<CommandList::Attachment> colors;
   for (uint32_t i = first; i < last; ++i) colors.push_back({out.gbuffer.images[i]});
-  commands.begin_rendering(colors, in.depth);
+  commands.begin_picture(colors, in.depth);
   record_batches(commands, in.scene, in.draws, in.deformed, commands.step() == 0 ? out.own : out.lobes);
   commands.end_rendering();
 }

@@ -14,7 +14,7 @@ PutSamples::Out PutSamples::declare(GraphBuilder& builder, const In& in) const {
 
 void PutSamples::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment color{out.color};
-  commands.begin_rendering({&color, 1}, {});
+  commands.begin_picture({&color, 1}, {});
   shared::SamplesPush push{};
   push.source = commands.address(in.samples.buffer);
   push.size_px = {in.scene.width_px, in.scene.height_px};

@@ -84,7 +84,7 @@ void Refraction::record_rays(CommandList& commands, const In& in, const Out& out
   own.deformed_before = in.scene.drawn_items;
   commands.bind(out.rays);
   commands.push(draw_push(commands, in.scene, in.deformed, &in.met, &in.met, own));
-  commands.dispatch(in.scene.width_px, in.scene.height_px);
+  commands.dispatch_picture(in.scene.width_px, in.scene.height_px);
 }
 
 void Refraction::declare_bodies(GraphBuilder& builder, const In& in, Out& out) const {
@@ -116,10 +116,10 @@ void Refraction::record_bodies(CommandList& commands, const In& in, const Out& o
     record_batches(commands, in.scene, in.draws, in.deformed, pipelines, nullptr, nullptr, own);
   };
   const CommandList::Attachment sums{out.seen.sums}, nearest{out.seen.backs};
-  commands.begin_rendering({&sums, 1}, {});
+  commands.begin_picture({&sums, 1}, {});
   for (const bool backs : {false, true}) draw(out.sums, backs);
   commands.end_rendering();
-  commands.begin_rendering({&nearest, 1}, {});
+  commands.begin_picture({&nearest, 1}, {});
   draw(out.nearest, true);
   commands.end_rendering();
 }
@@ -184,7 +184,7 @@ void Refraction::record(CommandList& commands, const In& in, const Out& out) con
     return;
   }
   const CommandList::Attachment color{out.color};
-  commands.begin_rendering({&color, 1}, in.depth);
+  commands.begin_picture({&color, 1}, in.depth);
   record_batches(commands, in.scene, in.draws, in.deformed, out.pipelines, &in.lists, &in.lists,
                  own_inputs(commands, out.seen));
   commands.end_rendering();

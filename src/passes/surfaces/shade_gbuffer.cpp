@@ -33,7 +33,7 @@ void ShadeGBuffer::record(CommandList& commands, const In& in, const Out& out) c
   push_sample_store(commands, out.samples, own);
   commands.bind(out.pipeline);
   commands.push(draw_push(commands, in.scene, {}, &in.lists, &in.lists, own));
-  commands.dispatch(in.scene.width_px, in.scene.height_px);
+  commands.dispatch_picture(in.scene.width_px, in.scene.height_px);
 }
 
 }  // namespace candela

@@ -55,7 +55,7 @@ void ShadeVisible::record(CommandList& commands, const In& in, const Out& out) c
     if (!pipeline) continue;
     commands.bind(pipeline);
     commands.push(draw_push(commands, in.scene, in.deformed, &in.lists, &in.lists, own));
-    commands.dispatch(in.scene.width_px, in.scene.height_px);
+    commands.dispatch_picture(in.scene.width_px, in.scene.height_px);
   }
 }
 

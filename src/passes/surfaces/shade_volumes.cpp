@@ -137,9 +137,9 @@ void ShadeVolumes::record(CommandList& commands, const In& in, const Out& out) c
       draw_push(commands, in.scene, {}, step == sum ? &in.lists : nullptr, step == mark ? nullptr : &in.lists, own);
   const CommandList::Attachment target{step == sum ? out.sum : out.color};
   if (step == mark)
-    commands.begin_rendering({}, out.tested);
+    commands.begin_picture({}, out.tested);
   else
-    commands.begin_rendering({&target, 1}, step == sum ? out.tested : ImageHandle{});
+    commands.begin_picture({&target, 1}, step == sum ? out.tested : ImageHandle{});
   const auto for_samples = [&](PipelineHandle pipeline, auto&& draw) {
     commands.bind(pipeline);
     for (push.own = 0; push.own < in.scene.samples; ++push.own) {

@@ -34,7 +34,7 @@ typename SurfacePass<lit>::Out SurfacePass<lit>::declare(GraphBuilder& builder, 
 template <bool lit>
 void SurfacePass<lit>::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment color{out.color};
-  commands.begin_rendering({&color, 1}, in.depth);
+  commands.begin_picture({&color, 1}, in.depth);
   record_batches(commands, in.scene, in.draws, in.deformed, out.pipelines, lit ? &in.lists : nullptr, &in.lists);
   commands.end_rendering();
 }

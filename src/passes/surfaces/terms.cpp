@@ -137,7 +137,7 @@ void Terms::record(CommandList& commands, const In& in, const Out& out) const {
     return runs;
   };
   const bool beside_glass = in.seen && commands.step() == 0, glass = in.seen && !beside_glass;
-  commands.begin_rendering(colors, glass ? in.nearest : in.depth);
+  commands.begin_picture(colors, glass ? in.nearest : in.depth);
   if (glass) {
     draw(with(out.refracting, out.blended));
   } else if (out.reflected || beside_glass) {

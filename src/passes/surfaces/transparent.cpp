@@ -21,7 +21,7 @@ Transparent::Out Transparent::declare(GraphBuilder& builder, const In& in) const
 
 void Transparent::record(CommandList& commands, const In& in, const Out& out) const {
   const CommandList::Attachment color{out.color};
-  commands.begin_rendering({&color, 1}, in.depth);
+  commands.begin_picture({&color, 1}, in.depth);
   OwnInputs own;
   if (in.glass) own.number = commands.sampled(in.glass);
   record_batches(commands, in.scene, in.draws, in.deformed, out.drawn, &in.lists, &in.lists, own);

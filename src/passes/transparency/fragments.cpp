@@ -188,7 +188,7 @@ void Fragments::record(CommandList& commands, const In& in, const Out& out) cons
   if (draws) {
     OwnInputs own;
     own.table = out.buffers.cells;
-    commands.begin_rendering({}, out.depth);
+    commands.begin_picture({}, out.depth);
     if (step == count_step) {
       record_batches(commands, s, in.draws, in.deformed, out.counted, nullptr, nullptr, own);
     } else {
@@ -224,7 +224,7 @@ void Fragments::record(CommandList& commands, const In& in, const Out& out) cons
   } else {
     push.blended = commands.address(out.buffers.blended);
     const CommandList::Attachment color{out.color};
-    commands.begin_rendering({&color, 1}, {});
+    commands.begin_picture({&color, 1}, {});
     commands.bind(out.pipelines.over);
     draw_samples(commands, s.samples, push);
     commands.end_rendering();

@@ -74,12 +74,12 @@ void Moments::record(CommandList& commands, const In& in, const Out& out) const 
   if (commands.step() == 0) {
     std::vector<CommandList::Attachment> moments;
     for (const ImageHandle image : out.moments) moments.push_back({image});
-    commands.begin_rendering(moments, in.depth);
+    commands.begin_picture(moments, in.depth);
     record_batches(commands, in.scene, in.draws, in.deformed, out.absorbed, nullptr, nullptr, own);
   } else {
     for (size_t i = 0; i < out.moments.size(); ++i) own.number |= commands.sampled(out.moments[i]) << (8 * i);
     const CommandList::Attachment sum{out.sum};
-    commands.begin_rendering({&sum, 1}, in.depth);
+    commands.begin_picture({&sum, 1}, in.depth);
     record_batches(commands, in.scene, in.draws, in.deformed, out.drawn, &in.lists, &in.lists, own);
   }
   commands.end_rendering();

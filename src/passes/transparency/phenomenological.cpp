@@ -161,13 +161,13 @@ void Phenomenological::record(CommandList& commands, const In& all, const Out& o
   OwnInputs own;
   if (step < draw_step) {
     const CommandList::Attachment backs{out.backs.faces};
-    commands.begin_rendering({&backs, 1}, out.backs.z);
+    commands.begin_picture({&backs, 1}, out.backs.z);
     own.backs = true;
     record_batches(commands, s, in.draws, in.deformed, out.back_faces, nullptr, nullptr, own);
   } else if (step == draw_step) {
     std::vector<CommandList::Attachment> sums = {{out.sums.light}, {out.sums.absorbed}};
     if (glass) sums.insert(sums.end(), {{out.sums.widths}, {out.sums.moved}});
-    commands.begin_rendering(sums, in.depth);
+    commands.begin_picture(sums, in.depth);
     own.word = std::bit_cast<uint64_t>(std::array{s.blended_near_m, s.blended_far_m});
     if (in.glass) own.number = commands.sampled(in.glass);
     if (in.glass && behind && in.depth) own.number |= commands.sampled(in.depth) << 8;
@@ -183,7 +183,7 @@ void Phenomenological::record(CommandList& commands, const In& all, const Out& o
                                       in.depth ? commands.sampled(in.depth) : 0u, 0u);
     }
     const CommandList::Attachment color{out.color};
-    commands.begin_rendering({&color, 1}, {});
+    commands.begin_picture({&color, 1}, {});
     commands.bind(out.pipelines.over);
     draw_samples(commands, s.samples, push);
   }

@@ -30,7 +30,7 @@ Weighted::Out Weighted::declare(GraphBuilder& builder, const In& in) const {
 void Weighted::record(CommandList& commands, const In& in, const Out& out) const {
   if (commands.step() == 1) return record_sums_over(commands, in.scene, out.over, out.sum, out.absorbed, out.color);
   const CommandList::Attachment sums[] = {{out.sum}, {out.absorbed}};
-  commands.begin_rendering(sums, in.depth);
+  commands.begin_picture(sums, in.depth);
   record_batches(commands, in.scene, in.draws, in.deformed, out.drawn, &in.lists, &in.lists);
   commands.end_rendering();
 }

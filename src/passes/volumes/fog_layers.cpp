@@ -79,7 +79,7 @@ void FogLayers::record(CommandList& commands, const In& in, const Out& out) cons
   for (const ImageHandle image : out.images)
     if (image) colors.push_back({image});
   const bool first = commands.step() == 0, last = !in.nearest || !first;
-  commands.begin_rendering(colors, first ? in.depth : in.nearest);
+  commands.begin_picture(colors, first ? in.depth : in.nearest);
   if (first) {
     commands.bind(out.behind);
     commands.push(sky_push(commands, in.scene, lists));

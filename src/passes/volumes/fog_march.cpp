@@ -57,7 +57,7 @@ void FogMarch::record(CommandList& commands, const In& in, const Out& out) const
   push.seed = in.seed;
   commands.bind(out.pipeline);
   commands.push(push);
-  commands.dispatch(push.texels.x, push.texels.y);
+  commands.dispatch_picture(push.texels.x, push.texels.y, PicturePart::shaded, push.texel_px);
 }
 
 }  // namespace candela

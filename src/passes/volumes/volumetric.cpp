@@ -160,7 +160,7 @@ void VolumetricLight::record(CommandList& commands, const In& in, const Out& out
     push.anisotropy = float(in.look.anisotropy);
     push.formula = in.look.by_attenuation ? shared::volumetric_attenuation : shared::volumetric_extinction;
     commands.push(push);
-    commands.dispatch(texels.x, texels.y);
+    commands.dispatch_picture(texels.x, texels.y, PicturePart::shaded, uint32_t(knobs.texel_px));
   } else if (step <= filters.size()) {
     const FilterStep& filter = filters[step - 1];
     const uint32_t from = (step - 1) % 2;
@@ -174,7 +174,7 @@ void VolumetricLight::record(CommandList& commands, const In& in, const Out& out
     push.radius = uint32_t(std::ceil(2.5f * push.deviation));
     push.depth_fraction = filter.bilateral ? same_surface : 0;
     commands.push(push);
-    commands.dispatch(texels.x, texels.y);
+    commands.dispatch_picture(texels.x, texels.y, PicturePart::shaded, uint32_t(knobs.texel_px));
   } else {
     shared::VolumetricCompositePush push{};
     push.color = commands.sampled(in.color);
@@ -186,7 +186,7 @@ void VolumetricLight::record(CommandList& commands, const In& in, const Out& out
     push.texels = texels;
     push.texel_px = uint32_t(knobs.texel_px), push.aware = uint32_t(knobs.upsample);
     commands.push(push);
-    commands.dispatch(in.scene.width_px, in.scene.height_px);
+    commands.dispatch_picture(in.scene.width_px, in.scene.height_px);
   }
 }
 

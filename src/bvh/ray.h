@@ -22,6 +22,7 @@ struct Hit {
   uint32_t item = 0;       // into FrameData::items
   uint32_t primitive = 0;  // triangle of the item's section: its corners are section.index[3 * primitive + 0, 1, 2]
   bool back = false;       // the ray meets the side that glTF calls the back (mirrored items turned over already)
+  glm::vec3 point{0};      // of an item that is no triangles but an implicit surface: where, relative space
 };
 
 // What a ray cost, for heat maps: boxes and triangles tested one by one (a wide node counts the children it has).

@@ -8,6 +8,7 @@
 #include "gltf/lights.h"
 #include "gltf/materials.h"
 #include "gltf/meshes.h"
+#include "gltf/metaballs.h"
 #include "gltf/named_files.h"
 #include "gltf/nodes.h"
 #include "gltf/variants.h"
@@ -28,6 +29,7 @@ Scene import_scene(gltf::Document& document, const LoadOptions& options) {
   gltf::import_cameras(document, scene);
   gltf::import_lights(document, scene);
   gltf::import_nodes(document, scene);
+  gltf::import_metaballs(document, scene);
   gltf::import_skins(document, scene);
   gltf::import_animations(document, options.animated, scene);
   gltf::check_animated_lights(document, scene);

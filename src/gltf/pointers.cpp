@@ -1,5 +1,6 @@
 #include "gltf/pointers.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 
@@ -106,8 +107,23 @@ std::optional<PointerTarget> texture_target(const Material& material, std::strin
   return target;
 }
 
+// Of CANDELA_metaballs: what all share, or of one ball.
+std::optional<PointerTarget> metaballs_target(const Scene& scene, size_t node, std::string_view rest) {
+  const auto body = std::ranges::find(scene.metaballs, int(node), &Metaballs::node);
+  if (body == scene.metaballs.end()) return std::nullopt;
+  const int number = int(body - scene.metaballs.begin());
+  if (rest == "threshold") return PointerTarget{metaballs_threshold, number, -1, 1};
+  const auto ball = in_array(rest, "balls/");
+  if (!ball || ball->index >= body->balls.size()) return std::nullopt;
+  if (ball->rest == "radius") return PointerTarget{metaballs_radius, number, int(ball->index), 1};
+  if (ball->rest == "strength") return PointerTarget{metaballs_strength, number, int(ball->index), 1};
+  return std::nullopt;
+}
+
 std::optional<PointerTarget> node_target(const Scene& scene, const Indexed& node) {
   if (node.index >= scene.nodes.size()) return std::nullopt;
+  constexpr std::string_view metaballs = "extensions/CANDELA_metaballs/";
+  if (node.rest.starts_with(metaballs)) return metaballs_target(scene, node.index, node.rest.substr(metaballs.size()));
   if (!node.rest.starts_with("weights")) return found_in(node_properties, node.rest, node.index);
   const int mesh = scene.nodes[node.index].mesh;
   const size_t targets = mesh < 0 ? 0 : scene.meshes[size_t(mesh)].default_weights.size();

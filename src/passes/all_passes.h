@@ -13,6 +13,7 @@
 #include "passes/geometry/depth_pyramid.h"
 #include "passes/geometry/depth_views.h"
 #include "passes/geometry/key_depth.h"
+#include "passes/geometry/metaballs.h"
 #include "passes/geometry/occlusion_cull.h"
 #include "passes/geometry/pose_items.h"
 #include "passes/geometry/rasterize.h"
@@ -72,14 +73,14 @@ struct PassList {};
 // The one list of passes, about in the order of a frame. Names, knob tables, --set, `candela list`, the sweep of errors
 // and the layers derive from it (shared/pass_list.h, shared/knob_values.h).
 using AllPasses =
-    PassList<PoseItems, Cull, CullCompact, Deform, Occluders, DepthPyramid, OcclusionCull, Rasterize, RasterizeViews,
-             TraceKeys, BlendedTiles, KeyDepth, DepthPrepass, DepthViews, ColoredShadows, DeepShadows, TileDepth,
-             PoseLights, LightBoundsPass, LightAssign, LightScan, LightFill, LightSort, FillLightVoxels, LightRays,
-             AmbientOcclusion, FogGrid, FogMarch, ShadeVisible, GBuffer, ShadeGBuffer, LightVolumeLists, ShadeVolumes,
-             PutSamples, ShadeForward, ShadeUnlit, Sky, Background, Reflections, ReflectionsOver, Refraction,
-             Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms, FogLayers, SunLayers,
-             LocalLayers, OcclusionLayer, LightHeat, LightVolumeLayer, TraversalHeat, TreeBoxes, MotionLayer, MatteIds,
-             MatteRanks, Supersample, Resolve, VolumetricLight, Subframes, SubframesMean, MotionBlur, SmoothEdges,
-             Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
+    PassList<PoseItems, MetaballPolygons, Cull, CullCompact, Deform, Occluders, DepthPyramid, OcclusionCull, Rasterize,
+             RasterizeViews, TraceKeys, BlendedTiles, KeyDepth, DepthPrepass, DepthViews, ColoredShadows, DeepShadows,
+             TileDepth, PoseLights, LightBoundsPass, LightAssign, LightScan, LightFill, LightSort, FillLightVoxels,
+             LightRays, AmbientOcclusion, FogGrid, FogMarch, ShadeVisible, GBuffer, ShadeGBuffer, LightVolumeLists,
+             ShadeVolumes, PutSamples, ShadeForward, ShadeUnlit, Sky, Background, Reflections, ReflectionsOver,
+             Refraction, Transparent, Weighted, Moments, Fragments, Phenomenological, Layers, Terms, FogLayers,
+             SunLayers, LocalLayers, OcclusionLayer, LightHeat, LightVolumeLayer, TraversalHeat, TreeBoxes, MotionLayer,
+             MatteIds, MatteRanks, Supersample, Resolve, VolumetricLight, Subframes, SubframesMean, MotionBlur,
+             SmoothEdges, Exposure, BloomPass, Tonemap, Pack, Readback, Dump>;
 
 }  // namespace candela

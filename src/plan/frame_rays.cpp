@@ -397,6 +397,10 @@ Hash128 rays_key(const Scene& scene, const Pose& pose, const FrameData& data, bo
       out.add(n);
   out.add_all(data.joint_matrices);
   out.add_all(data.morph_weights);
+  for (const PosedMetaballs& body : data.metaballs) {
+    out.add(body.threshold), out.add(body.lattice.cell_m), out.add(body.lattice.origin_cell);
+    out.add_all(body.balls);
+  }
   return out.hash();
 }
 

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "base/check.h"
+#include "plan/pack_metaballs.h"
 #include "plan/packed_values.h"
 #include "scene/blinn_phong.h"
 #include "scene/matte_names.h"
@@ -24,7 +25,8 @@ shared::Geometry static_geometry(const SectionLayout& l) {
 
 // Places a deformed section's vertices in the deformed buffer and describes the work that fills them.
 void add_deformation(const Scene& scene, const Deformation& d, const SectionLayout& l, FrameUpload& upload) {
-  const uint32_t vertices = uint32_t(scene.meshes[d.mesh].sections[d.section].position.size());
+  const MeshSection& section = scene.meshes[d.mesh].sections[d.section];
+  const uint32_t vertices = uint32_t(d.body >= 0 ? section.index.size() : section.position.size());
   const auto take = [&](bool present, uint32_t words_each) {
     if (!present) return shared::absent;
     const uint32_t at = upload.deformed_words;
@@ -34,9 +36,11 @@ void add_deformation(const Scene& scene, const Deformation& d, const SectionLayo
   shared::Geometry g = static_geometry(l);
   g.flags = shared::geometry_deformed;
   g.position = take(true, 3);
-  g.normal = take(l.normal != shared::absent, 3);
+  const Material* material = section.material >= 0 ? &scene.materials[size_t(section.material)] : nullptr;
+  g.normal = take(d.body >= 0 ? !is_unlit(section, material) : l.normal != shared::absent, 3);
   g.tangent = take(l.tangent != shared::absent, 4);
   upload.geometries.push_back(g);
+  if (d.body >= 0) return;  // made by passes/geometry/metaballs.h
   upload.deform_jobs.push_back(
       {vertices, l.position, l.normal, l.tangent, l.joints0, l.weights0, l.joints1, l.weights1, l.morph_table,
        std::min(d.weight_count, uint32_t(scene.meshes[d.mesh].sections[d.section].morph.size())), d.first_joint,
@@ -137,7 +141,7 @@ void add_item_groups(const Scene& scene, const FrameData& data, const DrawList& 
                      uint32_t default_material, FrameUpload& upload) {
   upload.item_count = draws.item_count();
   upload.transform_count = uint32_t(upload.transforms.size());
-  if (data.item_groups.empty()) return;
+  if (data.item_groups.empty() && upload.metaball_bodies.empty()) return;
   shared::ItemGroup posed{};
   posed.transform_count = upload.transform_count, posed.posed = 1;
   upload.item_groups.push_back(posed);
@@ -338,6 +342,7 @@ FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& 
     for (const SectionLayout& l : mesh) upload.geometries[l.geometry] = static_geometry(l);
   for (const Deformation& d : data.deformations) add_deformation(scene, d, layout.sections[d.mesh][d.section], upload);
   add_items(data, draws, layout, uint32_t(pose.materials.size()), upload);
+  add_metaballs(data, draws, upload);
   add_item_groups(scene, data, draws, layout, uint32_t(pose.materials.size()), upload);
   add_groups(draws, upload);
   for (size_t m = 0; m < pose.materials.size(); ++m)
@@ -430,8 +435,9 @@ void add_motion(const FrameData& now, const View& view, const FrameData& before,
   CHECK(before.relative_from_local.size() == now.relative_from_local.size());
   CHECK(before.joint_matrices.size() == now.joint_matrices.size());
   CHECK(before.morph_weights.size() == now.morph_weights.size());
-  const bool deforms =
-      !same_bits(before.joint_matrices, now.joint_matrices) || !same_bits(before.morph_weights, now.morph_weights);
+  const bool reforms = !same_metaballs(now.metaballs, before.metaballs);
+  const bool deforms = reforms || !same_bits(before.joint_matrices, now.joint_matrices) ||
+                       !same_bits(before.morph_weights, now.morph_weights);
   const std::vector<glm::mat4> clip = {glm::mat4(view.clip_from_relative)},
                                clip_before = {glm::mat4(view_before.clip_from_relative)};
   if (!deforms && same_bits(clip, clip_before) && same_bits(now.relative_from_local, before.relative_from_local))
@@ -441,7 +447,10 @@ void add_motion(const FrameData& now, const View& view, const FrameData& before,
     const shared::Transform t = shared_transform(m);
     upload.motion.insert(upload.motion.end(), {t.row0, t.row1, t.row2});
   }
-  if (deforms) upload.joints_before = before.joint_matrices, upload.weights_before = before.morph_weights;
+  // Both have one buffer of vertices.
+  if (deforms || !upload.metaball_bodies.empty())
+    upload.joints_before = before.joint_matrices, upload.weights_before = before.morph_weights;
+  if (!upload.metaball_bodies.empty()) add_metaballs_before(now, before, upload);
 }
 
 }  // namespace candela

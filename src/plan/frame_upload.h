@@ -11,6 +11,7 @@
 #include "shared/cull.h"
 #include "shared/deform.h"
 #include "shared/lobes.h"
+#include "shared/metaballs.h"
 #include "shared/pose_items.h"
 #include "shared/pose_lights.h"
 #include "shared/scene.h"
@@ -51,6 +52,12 @@ struct FrameUpload {
   std::vector<glm::vec4> motion;
   std::vector<glm::mat4> joints_before;
   std::vector<float> weights_before;
+  // Of metaballs (shared/metaballs.h); the last likewise of the time before.
+  std::vector<shared::MetaballBody> metaball_bodies;
+  std::vector<shared::LatticeBall> metaballs;
+  std::vector<shared::MetaballBlock> metaball_blocks;
+  std::vector<uint32_t> metaball_lists;
+  std::vector<shared::LatticeBallBefore> metaballs_before;
 };
 FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& view, const FrameData& data,
                               const DrawList& draws, const GeometryLayout& layout, const FrameRequest& request,

@@ -42,7 +42,9 @@ std::vector<Point> points_on(const Scene& scene, const FrameData& data, size_t c
     const glm::dvec3 e(item.bounds_relative.extent());
     const double area = e.x * e.y + e.y * e.z + e.z * e.x;
     const MeshSection& section = scene.meshes[item.mesh].sections[item.section];
-    const bool known = section.topology == Topology::triangles && section.index.size() >= 3 && std::isfinite(area);
+    const bool known = section.topology == Topology::triangles && section.index.size() >= 3 &&
+                       !section.position.empty() &&
+                       std::isfinite(area);  // metaballs have no vertices here; what stands about them tells as much
     ends.push_back(sum += known ? std::pow(area, power) : 0);
   }
   std::vector<Point> points;

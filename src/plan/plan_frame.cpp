@@ -1,5 +1,7 @@
 #include "plan/plan_frame.h"
 
+#include <bit>
+
 #include "base/text.h"
 #include "job/not_drawn.h"
 #include "passes/debug/dump.h"
@@ -76,6 +78,9 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.item_group_count = uint32_t(u.item_groups.size()), s.item_span_count = uint32_t(u.item_spans.size());
   s.batch_span_count = uint32_t(u.batch_spans.size()), s.transform_count = u.transform_count;
   s.light_group_count = uint32_t(u.light_groups.size());
+  s.metaball_body_count = uint32_t(u.metaball_bodies.size());
+  s.metaball_block_count = uint32_t(u.metaball_blocks.size());
+  s.metaball_block_room = std::bit_ceil(std::max(s.metaball_block_count, 1u));
   s.time_s = f.pose.time_s;
   const glm::vec4& background = u.constants.background;
   s.background = {background.x, background.y, background.z, background.w};

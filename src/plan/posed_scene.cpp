@@ -69,7 +69,8 @@ double lens_radius_m(const LensLook& lens, const View& view) {
 }
 
 Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_s, double lamp_radius_m,
-                                const View* given, const DevicePose& on_device, const Subframe* subframe) {
+                                const View* given, const DevicePose& on_device, double cells,
+                                const Subframe* subframe) {
   const auto animations = choose_animations(scene, job.animation);
   if (!animations) return std::unexpected(animations.error());
   PosedScene out;
@@ -96,7 +97,7 @@ Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_
     if (!window) return std::unexpected(window.error());
     out.window = *window;
   }
-  out.data = make_frame_data(scene, out.pose, out.view, lamp_radius_m, on_device);
+  out.data = make_frame_data(scene, out.pose, out.view, lamp_radius_m, on_device, cells);
   return out;
 }
 

@@ -18,9 +18,9 @@ struct PosedScene {
 };
 // subframe: what the view is moved to and widened by; null: it is the picture's.
 // lamp_radius_m: of lamps that say nothing of their own size. view: instead of the job's, and without its probe.
-// on_device: as make_frame_data takes it.
+// on_device and cells: as make_frame_data takes them.
 Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_s, double lamp_radius_m = 0,
-                                const View* view = nullptr, const DevicePose& on_device = {},
+                                const View* view = nullptr, const DevicePose& on_device = {}, double cells = 1,
                                 const Subframe* subframe = nullptr);
 
 // Half the diameter of the lens's opening; 0 of orthographic views. How far along the view axis its plane of focus

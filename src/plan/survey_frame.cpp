@@ -1,6 +1,8 @@
 #include "plan/survey_frame.h"
 
 #include "base/log.h"
+#include "base/names.h"
+#include "passes/geometry/metaballs.h"
 #include "passes/occlusion/occlusion.h"
 #include "passes/shadows/sun_knobs.h"
 #include "passes/shared/light_knobs.h"
@@ -95,7 +97,7 @@ Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext&
   f.notes = asked.notes;
   f.on_device = posed_on_device(f.request, asked.knobs, *asked.technique, context.on_device, context.cpu);
   auto posed = pose_scene(context.scene, job, time_s, f.request.look.lights.radius_m, context.face, f.on_device,
-                          context.subframe);
+                          double(asked.knobs.get<MetaballKnobs>().cell), context.subframe);
   if (!posed) return std::unexpected(posed.error());
   f.pose = std::move(posed->pose), f.view = std::move(posed->view), f.data = std::move(posed->data);
   if (f.request.part.role == SubframePart::Role::subframe) widen(posed->window, f.request);
@@ -131,6 +133,12 @@ Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext&
         "the scene has no light and no sky is given: a neutral light is used so that it is seen (--sky sets one)");
   if (f.facts.draw_items == 0)
     f.notes.push_back("nothing is visible at this time: the image holds the background alone");
+  for (const PosedMetaballs& body : f.data.metaballs)
+    if (body.lattice.enlarged)
+      f.notes.push_back(
+          fmt::format("{} is polygonised in cells of {:.4g} m, larger than asked for: there would be more "
+                      "than {} blocks of them (metaballs.cell)",
+                      quoted_name(context.scene.nodes[body.node].name), body.lattice.cell_m, most_metaball_blocks));
   end_lights(asked.knobs.get<LightRangeKnobs>(), context.scene, f);
   return f;
 }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "passes/debug/tree_views.h"
+#include "passes/geometry/metaballs.h"
 #include "passes/occlusion/occlusion.h"
 #include "passes/post/supersample.h"
 #include "passes/reflections/reflections.h"
@@ -64,7 +65,8 @@ TracedFrame trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, con
     View about = frame.view;
     about.position = trace_origin(frame.data, frame.view);
     out.shift = frame.view.position - about.position;
-    const FrameData data = make_frame_data(context.scene, frame.pose, about);
+    const FrameData data =
+        make_frame_data(context.scene, frame.pose, about, 0, {}, double(asked.knobs.get<MetaballKnobs>().cell));
     const Hash128 key =
         rays_key(context.scene, frame.pose, data, refraction, frame.request.open_sides, out.traced.tree);
     out.rays = context.rays && context.rays->key == key ? context.rays

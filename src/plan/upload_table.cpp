@@ -89,6 +89,11 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
     add("frame.deform_jobs", &Inputs::deform_jobs, u.deform_jobs);
     add("frame.joints", &Inputs::joints, frame.data.joint_matrices);
     add("frame.weights", &Inputs::weights, frame.data.morph_weights);
+    add("frame.metaball_bodies", &Inputs::metaball_bodies, u.metaball_bodies);
+    add("frame.metaballs", &Inputs::metaballs, u.metaballs);
+    add_rounded("frame.metaball_blocks", &Inputs::metaball_blocks, u.metaball_blocks);
+    add_rounded("frame.metaball_lists", &Inputs::metaball_lists, u.metaball_lists);
+    add("frame.metaballs_before", &Inputs::metaballs_before, u.metaballs_before);
     add("frame.object_mattes", &Inputs::object_mattes, u.object_mattes);
     add("frame.motion", &Inputs::motion, u.motion);
     add("frame.joints_before", &Inputs::joints_before, u.joints_before);

@@ -8,6 +8,7 @@
 #include "bvh/simd.h"
 #include "bvh/triangle.h"
 #include "reference/accel_trees.h"
+#include "reference/metaballs.h"
 
 namespace candela {
 namespace {
@@ -144,6 +145,27 @@ void trace_packets(const Accel::Trees& trees, std::span<const Ray> rays, const H
   }
 }
 
+// The nearest accepted crossing of an implicit surface before `best`; any: the first accepted at all.
+void meet_implicit(const Accel::Trees& trees, const Ray& ray, const HitFilter* filter, bool any,
+                   std::optional<Hit>& best) {
+  if (!finite(ray.origin) || !finite(ray.direction) || !(ray.t_min <= ray.t_max)) return;
+  const glm::dvec3 origin(ray.origin), direction(ray.direction);
+  for (const Accel::Trees::Implicit& body : trees.implicit) {
+    body.surface.each_crossing(origin, direction, [&](double t, bool goes_in) {
+      Hit hit;
+      hit.t = float(t), hit.item = body.item, hit.back = !goes_in;
+      if (hit.t < ray.t_min) return false;
+      // Those that follow are farther still.
+      if (hit.t > ray.t_max || (best && std::tie(best->t, best->item) <= std::tie(hit.t, hit.item))) return true;
+      hit.point = origin + t * direction;
+      if (filter && !filter->accepts(hit)) return false;
+      best = hit;
+      return true;
+    });
+    if (any && best) return;
+  }
+}
+
 float largest_of(glm::vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
 }  // namespace
@@ -158,22 +180,31 @@ std::optional<Hit> Accel::closest(const Ray& ray, const HitFilter* filter, Trace
   Search search(*trees_, filter, counts, false);
   std::optional<Hit> hit;
   if (search.trace(ray)) search.resolve(search.best, search.best_place, hit.emplace());
+  if (!trees_->implicit.empty()) meet_implicit(*trees_, ray, filter, false, hit);
   return hit;
 }
 
 bool Accel::occluded(const Ray& ray, const HitFilter* filter, TraceCounts* counts) const {
-  return Search(*trees_, filter, counts, true).trace(ray);
+  if (Search(*trees_, filter, counts, true).trace(ray)) return true;
+  std::optional<Hit> hit;
+  if (!trees_->implicit.empty()) meet_implicit(*trees_, ray, filter, true, hit);
+  return hit.has_value();
 }
 
 void Accel::closest(std::span<const Ray> rays, std::span<std::optional<Hit>> hits, const HitFilter* filter) const {
   trace_packets(*trees_, rays, filter, false, [&](size_t i, const Search& search, bool met) {
     hits[i].reset();
     if (met) search.resolve(search.best, search.best_place, hits[i].emplace());
+    if (!trees_->implicit.empty()) meet_implicit(*trees_, rays[i], filter, false, hits[i]);
   });
 }
 
 void Accel::occluded(std::span<const Ray> rays, std::span<bool> blocked, const HitFilter* filter) const {
-  trace_packets(*trees_, rays, filter, true, [&](size_t i, const Search&, bool met) { blocked[i] = met; });
+  trace_packets(*trees_, rays, filter, true, [&](size_t i, const Search&, bool met) {
+    std::optional<Hit> hit;
+    if (!met && !trees_->implicit.empty()) meet_implicit(*trees_, rays[i], filter, true, hit);
+    blocked[i] = met || hit;
+  });
 }
 
 PosedTriangle Accel::triangle(uint32_t item_index, uint32_t primitive) const {
@@ -190,7 +221,21 @@ PosedTriangle Accel::triangle(uint32_t item_index, uint32_t primitive) const {
   return out;
 }
 
+const MetaballSurface* Accel::implicit(uint32_t item) const {
+  for (const Trees::Implicit& body : trees_->implicit)
+    if (body.item == item) return &body.surface;
+  return nullptr;
+}
+
 SurfacePoint Accel::surface(const Hit& hit) const {
+  if (const MetaballSurface* body = implicit(hit.item)) {
+    SurfacePoint out;
+    out.position = hit.point;
+    out.geometric_normal = glm::vec3(body->geometric_normal(glm::dvec3(hit.point)));
+    // Rounding of the point and of the ray's origin.
+    out.error_m = 16 * largest_of(hit.point) * 0x1p-24f;
+    return out;
+  }
   const DrawItem& item = trees_->frame->items[hit.item];
   const auto p = triangle(hit.item, hit.primitive).position;
   SurfacePoint out;

@@ -16,6 +16,7 @@
 namespace candela {
 
 struct Kernels;
+class MetaballSurface;
 
 struct AccelOptions {
   BvhOptions tree;
@@ -29,6 +30,7 @@ struct AccelOptions {
   // false: the filter is asked only where the material leaves a doubt: alpha masks and blending, what glows all
   // over (scene/glow.h), and backs of surfaces that are not double sided. true: for every candidate.
   bool always_ask_filter = false;
+  bool implicit = false;             // metaballs are met as the surfaces they are; else their polygons
   bool open_sides = false;           // fronts of surfaces that are not double sided leave a doubt too
   bool measure_cost = false;         // fill AccelStatistics::sah_cost
   const Kernels* kernels = nullptr;  // null: the best for this processor (trace.h); all give the same hits
@@ -94,6 +96,8 @@ class Accel {
 
   PosedTriangle triangle(uint32_t item, uint32_t primitive) const;
   SurfacePoint surface(const Hit& hit) const;
+  // The implicit surface that the item is; null: triangles.
+  const MetaballSurface* implicit(uint32_t item) const;
   // The vertices of FrameData::deformations[deformation] at this frame.
   const DeformedVertices& deformed(int deformation) const;
 

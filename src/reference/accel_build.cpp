@@ -112,6 +112,7 @@ class Assembly {
     size_t repeated_triangles = 0;
     for (const DrawItem& item : items) {
       const MeshSection& section = trees_.section_of(item);
+      if (trees_.is_implicit(item)) continue;
       if (section.topology == Topology::triangles && uses[geometry_of(item)]++ > 0)
         repeated_triangles += section.index.size() / 3;
     }
@@ -119,6 +120,7 @@ class Assembly {
     for (uint32_t i = 0; i < items.size(); ++i) {
       const DrawItem& item = items[i];
       const MeshSection& section = trees_.section_of(item);
+      if (trees_.is_implicit(item)) continue;
       if (section.topology != Topology::triangles) {
         ++trees_.statistics.skipped_items;
         continue;
@@ -276,7 +278,14 @@ Accel::Trees::Trees(const Scene& the_scene, const Pose& pose, const FrameData& t
     : scene(&the_scene), frame(&the_frame) {
   const auto begin = std::chrono::steady_clock::now();
   if (options.kernels) kernels = options.kernels;
-  for (const Deformation& d : frame->deformations) deformed.push_back(deform_vertices(*scene, *frame, d));
+  if (options.implicit)
+    for (uint32_t i = 0; i < frame->items.size(); ++i) {
+      const int d = frame->items[i].deformed;
+      if (d < 0 || frame->deformations[size_t(d)].body < 0 || frame->deformations[size_t(d)].chunk > 0) continue;
+      implicit.push_back({i, MetaballSurface(frame->metaballs[size_t(frame->deformations[size_t(d)].body)])});
+    }
+  meets_implicit = options.implicit;
+  deformed = deform_all(*scene, *frame, !options.implicit);
   for (const DrawItem& item : frame->items) {
     mirrored.push_back(item.mirrored);
     ask.push_back(doubts_of(item.material >= 0 ? &pose.materials[size_t(item.material)] : nullptr,

@@ -6,6 +6,7 @@
 #include "bvh/trace.h"
 #include "bvh/wide_tree.h"
 #include "reference/accel.h"
+#include "reference/metaballs.h"
 
 namespace candela {
 
@@ -28,6 +29,14 @@ struct Accel::Trees {
   const FrameData* frame = nullptr;
   const Kernels* kernels = &best_kernels();
   std::vector<DeformedVertices> deformed;
+  // Bodies that rays meet as implicit surfaces, and the items that stand for them; of other chunks' items there is
+  // nothing.
+  struct Implicit {
+    uint32_t item;
+    MetaballSurface surface;
+  };
+  std::vector<Implicit> implicit;
+  bool meets_implicit = false;
   std::vector<uint8_t> ask;       // per item: bit 0, the filter is asked about fronts; bit 1, about backs
   std::vector<uint8_t> mirrored;  // per item
 
@@ -44,6 +53,7 @@ struct Accel::Trees {
   Trees(const Scene& scene, const Pose& pose, const FrameData& frame, const AccelOptions& options);
 
   const MeshSection& section_of(const DrawItem& item) const { return scene->meshes[item.mesh].sections[item.section]; }
+  bool is_implicit(const DrawItem& item) const { return meets_implicit && section_of(item).metaballs >= 0; }
   bool is_skinned(const DrawItem& item) const {
     return item.deformed >= 0 && frame->deformations[size_t(item.deformed)].joint_count > 0;
   }

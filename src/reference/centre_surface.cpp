@@ -21,8 +21,8 @@ std::optional<CentreSurface> centre_surface(const World& world, int x, int y, in
   CentreSurface out;
   out.item = hit->item;
   out.primitive = hit->primitive;
-  out.weights = world.weights(*hit, camera.origin, camera.direction);
-  out.surface = world.surface_at(hit->item, hit->primitive, out.weights, hit->back, -glm::normalize(camera.direction));
+  if (!world.accel().implicit(hit->item)) out.weights = world.weights(*hit, camera.origin, camera.direction);
+  out.surface = world.surface(*hit, camera.origin, camera.direction);
   // The direction is of length 1 along the axis, and so is the origin off it: both for perspective and orthographic
   // views.
   const glm::dvec3 back = glm::transpose(glm::dmat3(world.view().view_from_relative))[2];

@@ -3,6 +3,9 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <limits>
+
 namespace candela {
 namespace {
 
@@ -28,6 +31,16 @@ void morph(const MeshSection& section, const FrameData& frame, const Deformation
     if (!target.normal.empty()) normal += weight * target.normal[v];
     if (!target.tangent.empty()) tangent += weight * target.tangent[v];
   }
+}
+
+// What the chunk lacks of all the body's vertices are no numbers: trees leave such triangles out.
+DeformedVertices metaball_chunk(const std::vector<glm::vec3>& all, uint32_t chunk) {
+  constexpr size_t room = 3 * size_t(metaball_chunk_triangles);
+  DeformedVertices out;
+  out.position.assign(room, glm::vec3(std::numeric_limits<float>::quiet_NaN()));
+  const size_t first = std::min(room * chunk, all.size()), count = std::min(room, all.size() - first);
+  std::copy_n(all.begin() + ptrdiff_t(first), count, out.position.begin());
+  return out;
 }
 
 }  // namespace
@@ -62,6 +75,20 @@ DeformedVertices deform_vertices(const Scene& scene, const FrameData& frame, con
   tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 4096), [&](const tbb::blocked_range<size_t>& range) {
     for (size_t v = range.begin(); v != range.end(); ++v) deform_one(v);
   });
+  return out;
+}
+
+std::vector<DeformedVertices> deform_all(const Scene& scene, const FrameData& frame, bool polygons) {
+  std::vector<DeformedVertices> out;
+  std::vector<glm::vec3> vertices;  // of the body at hand, whose chunks follow one another
+  for (const Deformation& d : frame.deformations) {
+    if (d.body < 0) {
+      out.push_back(deform_vertices(scene, frame, d));
+      continue;
+    }
+    if (polygons && d.chunk == 0) vertices = polygonise(frame.metaballs[size_t(d.body)]);
+    out.push_back(polygons ? metaball_chunk(vertices, d.chunk) : DeformedVertices{});
+  }
   return out;
 }
 

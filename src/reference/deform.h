@@ -18,5 +18,7 @@ struct DeformedVertices {
 // Morph targets, then linear blend skinning, in the order and the 32-bit arithmetic that glTF's rasterizers use, so
 // that rays meet the triangles that are drawn.
 DeformedVertices deform_vertices(const Scene& scene, const FrameData& frame, const Deformation& deformation);
+// Of all of the frame's deformations. polygons: of metaballs too, whose chunks are else empty.
+std::vector<DeformedVertices> deform_all(const Scene& scene, const FrameData& frame, bool polygons);
 
 }  // namespace candela

@@ -99,6 +99,7 @@ bool follow(const Task& task, glm::dvec3 onward, Way& way) {
     if (way.walls == most_walls || !(wall_m > 0)) return false;
     part.length_m = wall_m, part.item = hit->item, part.primitive = hit->primitive;
     way.length_m += wall_m;
+    if (task.world.accel().implicit(hit->item)) return false;  // ways are sought by triangles
     const glm::dvec3 v = -onward, shaded = s.normal;
     if (bodies.splits(s)) way.weight *= bodies.choose_channel(s, task.channel);
     bodies.arrive(s, v, hit->back, wall_m);

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "reference/albedo.h"
+#include "reference/metaballs.h"
 #include "reference/scattering.h"
 #include "reference/world.h"
 #include "scene/blinn_phong.h"
@@ -190,6 +191,7 @@ double World::coverage_of(const Material& m, double alpha) {
 double World::coverage(const Hit& hit) const {
   const TracedItem& item = items_[hit.item];
   if (item.material->material.alpha_mode == AlphaMode::opaque) return 1;
+  if (item.section->metaballs >= 0) return coverage_of(item.material->material, base_color(*item.material, Vertex{}).w);
   const std::vector<uint32_t>& index = item.section->index;
   const size_t at = 3 * size_t(hit.primitive);
   const Vertex v = vertex_at(item, {index[at], index[at + 1], index[at + 2]},
@@ -201,7 +203,23 @@ glm::dvec2 World::weights(const Hit& hit, glm::dvec3 origin, glm::dvec3 directio
   return barycentrics_of(accel_.triangle(hit.item, hit.primitive).position, hit, origin, direction);
 }
 
+Surface World::implicit_surface(const MetaballSurface& body, const Hit& hit, glm::dvec3 direction, glm::dvec3 to_viewer,
+                                bool back) const {
+  const glm::dvec3 position = body.polished(glm::dvec3(hit.point), direction);
+  Vertex v;
+  v.uv[0] = v.uv[1] = glm::dvec2(0);
+  v.normal = body.shading_normal(position);
+  return shaded_surface(items_[hit.item], v, position, body.geometric_normal(position), back, to_viewer);
+}
+
 Surface World::surface(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction, const RayDifferential* beside) const {
+  if (const MetaballSurface* body = accel_.implicit(hit.item)) {
+    // Of the ray before it was rounded for the search.
+    Hit exact = hit;
+    const glm::dvec3 along = glm::dvec3(hit.point) - origin;
+    exact.point = origin + direction * (glm::dot(along, direction) / glm::dot(direction, direction));
+    return implicit_surface(*body, exact, direction, -glm::normalize(direction), hit.back);
+  }
   const glm::dvec2 b = weights(hit, origin, direction);
   const glm::dvec3 to_viewer = -glm::normalize(direction);
   if (!beside) return surface_at(hit.item, hit.primitive, b, hit.back, to_viewer);
@@ -216,6 +234,12 @@ Surface World::surface(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction, 
 }
 
 Surface World::surface_from(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction, glm::dvec3 eye) const {
+  if (const MetaballSurface* body = accel_.implicit(hit.item)) {
+    const glm::dvec3 to_eye = unit_or_zero(eye - glm::dvec3(hit.point));
+    const glm::dvec3 normal = body->geometric_normal(glm::dvec3(hit.point));
+    const bool other_side = glm::dot(normal, to_eye) * glm::dot(normal, direction) > 0;
+    return implicit_surface(*body, hit, direction, to_eye, hit.back != other_side);
+  }
   const PosedTriangle triangle = accel_.triangle(hit.item, hit.primitive);
   const glm::dvec2 b = barycentrics_of(triangle.position, hit, origin, direction);
   const glm::dvec3 p0(triangle.position[0]), e1 = glm::dvec3(triangle.position[1]) - p0,
@@ -228,8 +252,6 @@ Surface World::surface_from(const Hit& hit, glm::dvec3 origin, glm::dvec3 direct
 Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b, bool back, glm::dvec3 to_viewer,
                           const glm::dmat2* area) const {
   const TracedItem& item = items_[item_index];
-  const TracedMaterial& t = *item.material;
-  const Material& m = t.material;
   const PosedTriangle triangle = accel_.triangle(item_index, primitive);
   const glm::dvec3 weight(1 - b.x - b.y, b.x, b.y);
   Vertex v = vertex_at(item, triangle.vertex, weight);
@@ -242,10 +264,18 @@ Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b,
     }
   }
 
-  Surface s;
   const glm::dvec3 p0(triangle.position[0]), p1(triangle.position[1]), p2(triangle.position[2]);
-  s.position = weight.x * p0 + weight.y * p1 + weight.z * p2;
-  s.geometric = unit_or_zero(glm::cross(p1 - p0, p2 - p0));
+  return shaded_surface(item, v, weight.x * p0 + weight.y * p1 + weight.z * p2,
+                        unit_or_zero(glm::cross(p1 - p0, p2 - p0)), back, to_viewer);
+}
+
+Surface World::shaded_surface(const TracedItem& item, const Vertex& v, glm::dvec3 position, glm::dvec3 geometric,
+                              bool back, glm::dvec3 to_viewer) const {
+  const TracedMaterial& t = *item.material;
+  const Material& m = t.material;
+  Surface s;
+  s.position = position;
+  s.geometric = geometric;
   if (glm::dot(s.geometric, to_viewer) < 0) s.geometric = -s.geometric;
   const glm::dvec4 base = base_color(t, v);
   s.base_color = glm::max(glm::dvec3(base), glm::dvec3(0));

@@ -26,6 +26,7 @@ AccelOptions accel_options(const WorldInput& input) {
   AccelOptions options = input.accel;
   options.always_ask_filter |= input.glass && has_transmission(input.scene);
   options.open_sides |= input.open_sides;
+  options.implicit = true;
   return options;
 }
 

@@ -169,6 +169,11 @@ class World {
   void add_items();
   void add_lights();
   void add_emissive_triangles(std::vector<LightExtent>& extents);
+  // What the material says of a point. geometric: unit, to either side.
+  Surface shaded_surface(const TracedItem& item, const Vertex& v, glm::dvec3 position, glm::dvec3 geometric, bool back,
+                         glm::dvec3 to_viewer) const;
+  Surface implicit_surface(const MetaballSurface& body, const Hit& hit, glm::dvec3 direction, glm::dvec3 to_viewer,
+                           bool back) const;
   Vertex vertex_at(const TracedItem& item, const std::array<uint32_t, 3>& corner, glm::dvec3 weight) const;
   glm::dvec4 fetch(const Texture* texture, const TextureSlot& slot, const Vertex& v) const;
   // The mean over the vertex's area, where it has one.

@@ -59,6 +59,7 @@ void World::add_bending_walls() {
   for (uint32_t i = 0; i < items_.size(); ++i) {
     const TracedMaterial& t = *items_[i].material;
     const bool textured = t.orm && t.material.orm_has_metallic_roughness;
+    if (items_[i].section->metaballs >= 0) continue;  // no triangles to choose places on
     if (!bounds_body(i) || !(t.material.transmission > 0) || items_[i].section->topology != Topology::triangles)
       continue;
     if (t.material.roughness >= least_roughness && !textured) continue;
@@ -100,6 +101,7 @@ void World::add_emissive_triangles(std::vector<LightExtent>& extents) {
   for (uint32_t i = 0; i < items_.size(); ++i) {
     const TracedItem& item = items_[i];
     const Material& m = item.material->material;
+    if (item.section->metaballs >= 0) continue;  // paths that meet it by chance count its light
     if (item.section->topology != Topology::triangles || item.unlit || m.emissive * m.emissive_strength == glm::vec3(0))
       continue;
     const uint32_t count = uint32_t(item.section->index.size() / 3);

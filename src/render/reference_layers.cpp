@@ -8,6 +8,7 @@
 #include "base/check.h"
 #include "reference/centre_surface.h"
 #include "reference/deform.h"
+#include "reference/metaballs.h"
 #include "render/cryptomatte.h"
 #include "scene/matte_names.h"
 
@@ -125,10 +126,17 @@ class Places {
  public:
   Places(const Scene& scene, const FrameData& data, const View& view, int width, int height)
       : scene_(scene), data_(data), view_(view), half_px_(0.5 * width, 0.5 * height) {
-    for (const Deformation& d : data.deformations) deformed_.push_back(deform_vertices(scene, data, d));
+    deformed_ = deform_all(scene, data, false);
   }
-  // Of the surface's point at the time of the data; behind the camera there is none.
-  std::optional<glm::dvec2> of(const reference::CentreSurface& c) const {
+  // Of the surface's point at the time of the data; behind the camera there is none. now: where the centres are of,
+  // which metaballs are asked where they were.
+  std::optional<glm::dvec2> of(const reference::CentreSurface& c, const FrameData& now) const {
+    const DrawItem& shown = now.items[c.item];
+    if (shown.deformed >= 0)
+      if (const int body = now.deformations[size_t(shown.deformed)].body; body >= 0)
+        return placed(glm::dvec4(MetaballSurface(now.metaballs[size_t(body)])
+                                     .place_at(MetaballSurface(data_.metaballs[size_t(body)]), c.surface.position),
+                                 1.0));
     const DrawItem& item = data_.items[c.item];
     const MeshSection& section = scene_.meshes[item.mesh].sections[item.section];
     const glm::dmat4 relative_from_local(data_.relative_from_local[item.transform]);
@@ -141,12 +149,16 @@ class Places {
       const glm::dvec4 corner = relative_from_local * glm::dvec4(glm::dvec3(vertices[vertex]), 1.0);
       point += weights[i] * glm::dvec4(glm::dvec3(corner), 0.0);
     }
+    return placed(point);
+  }
+
+ private:
+  std::optional<glm::dvec2> placed(glm::dvec4 point) const {
     const glm::dvec4 clip = view_.clip_from_relative * point;
     if (!(clip.w > 0)) return std::nullopt;
     return glm::dvec2(clip.x, -clip.y) / clip.w * half_px_;
   }
 
- private:
   const Scene& scene_;
   const FrameData& data_;
   const View& view_;
@@ -163,7 +175,7 @@ void add_motion_layer(FloatImage& image, const ReferenceFrame& frame, const std:
       before(frame.scene(), frame.before->data, frame.before->view, image.width, image.height);
   Channel x{"motion.X", ChannelType::float32, {}, {}}, y{"motion.Y", ChannelType::float32, {}, {}};
   for (const auto& c : centres_of(frame, image.width, image.height)) {
-    const auto to = c ? now.of(*c) : std::nullopt, from = c ? before.of(*c) : std::nullopt;
+    const auto to = c ? now.of(*c, frame.data) : std::nullopt, from = c ? before.of(*c, frame.data) : std::nullopt;
     glm::vec2 moved(0);
     if (to && from) moved = glm::vec2(*to - *from);
     if (!std::isfinite(moved.x) || !std::isfinite(moved.y)) moved = glm::vec2(0);

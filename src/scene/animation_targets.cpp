@@ -63,6 +63,12 @@ PropertyRange range_of(TargetPath path) {
       return {"xmag"};
     case camera_ymag:
       return {"ymag"};
+    case metaballs_threshold:
+      return {"threshold", 0, 1e6};
+    case metaballs_radius:
+      return {"radius", tiny, 1e15};
+    case metaballs_strength:
+      return {"strength", -1e6, 1e6};
     default:
       break;
   }
@@ -75,6 +81,11 @@ std::string place_of(const AnimationTarget& target, const AnimationChannel& chan
   const char* array = channel.path <= TargetPath::node_visible    ? "nodes"
                       : channel.path <= TargetPath::texture_scale ? "materials"
                                                                   : "cameras";
+  if (channel.path >= TargetPath::metaballs_threshold) {
+    const int node = target.scene.metaballs[size_t(channel.object)].node;
+    const std::string body = fmt::format("/nodes/{}/extensions/CANDELA_metaballs", node);
+    return channel.element < 0 ? body : fmt::format("{}/balls/{}", body, channel.element);
+  }
   return drives_light(channel.path) ? light_place(target.scene, size_t(channel.object))
                                     : fmt::format("/{}/{}", array, channel.object);
 }
@@ -202,6 +213,14 @@ void apply_to_camera(AnimationTarget& target, const AnimationChannel& channel, s
   }
 }
 
+void apply_to_metaballs(AnimationTarget& target, const AnimationChannel& channel, std::span<const double> values) {
+  Metaballs& body = target.pose.metaballs[size_t(channel.object)];
+  if (channel.path == TargetPath::metaballs_threshold) return assign(target, channel, body.threshold, values[0]);
+  if (channel.element < 0 || size_t(channel.element) >= body.balls.size()) return;
+  Metaball& ball = body.balls[size_t(channel.element)];
+  assign(target, channel, channel.path == TargetPath::metaballs_radius ? ball.radius_m : ball.strength, values[0]);
+}
+
 }  // namespace
 
 void apply_channel(AnimationTarget& target, const AnimationChannel& channel, std::span<const double> values) {
@@ -218,6 +237,8 @@ void apply_channel(AnimationTarget& target, const AnimationChannel& channel, std
     return object < target.pose.materials.size() ? apply_to_material(target, channel, values) : void();
   if (channel.path <= TargetPath::light_outer_cone)
     return object < target.pose.lights.size() ? apply_to_light(target, channel, values) : void();
+  if (channel.path >= TargetPath::metaballs_threshold)
+    return object < target.pose.metaballs.size() ? apply_to_metaballs(target, channel, values) : void();
   return object < target.pose.cameras.size() ? apply_to_camera(target, channel, values) : void();
 }
 

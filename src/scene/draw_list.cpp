@@ -7,7 +7,7 @@
 namespace candela {
 
 bool is_unlit(const MeshSection& section, const Material* material) {
-  return (material && material->unlit) || section.normal.empty();
+  return (material && material->unlit) || (section.normal.empty() && section.metaballs < 0);
 }
 
 bool refracts(const MeshSection& section, const Material& material) {

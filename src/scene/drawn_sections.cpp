@@ -1,6 +1,7 @@
 #include "scene/drawn_sections.h"
 
 #include "math/transforms.h"
+#include "scene/metaballs.h"
 
 namespace candela {
 glm::dmat4 node_from_instance(const Instances& instances, size_t i) {
@@ -84,6 +85,11 @@ SectionDeformation DrawnSections::deformation_of(const MeshSection& section, siz
 
 DAabb DrawnSections::bounds_of(const MeshSection& section, size_t node, const SectionDeformation& deformation,
                                const glm::dmat4& target_from_local) {
+  if (section.metaballs >= 0) {
+    const Metaballs& body = pose_.metaballs[size_t(section.metaballs)];
+    const DAabb box = metaball_bounds(pose_metaballs(body, pose_), body.threshold);
+    return box.empty() ? box : padded_bounds(box, target_from_local);
+  }
   if (!deformation)
     return padded_bounds({glm::dvec3(section.bounds.min), glm::dvec3(section.bounds.max)}, target_from_local);
   std::span<const float> weights;

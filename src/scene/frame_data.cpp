@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "math/transforms.h"
 #include "scene/drawn_sections.h"
@@ -23,13 +24,14 @@ Aabb to_float(const DAabb& box) {
 class FrameBuilder {
  public:
   FrameBuilder(const Scene& scene, const Pose& pose, const View& view, double lamp_radius_m,
-               const DevicePose& on_device)
+               const DevicePose& on_device, double cells)
       : scene_(scene),
         pose_(pose),
         view_(view),
         drawn_(scene, pose, relative_from_world(view.position)),
         lamp_radius_m_(float(lamp_radius_m)),
-        on_device_(on_device) {
+        on_device_(on_device),
+        cells_(cells) {
     frame_.perspective = view.perspective;
     reserve();
   }
@@ -69,6 +71,7 @@ class FrameBuilder {
       return;
     }
     const std::vector<MeshSection>& sections = scene_.meshes[size_t(node.mesh)].sections;
+    if (sections[0].metaballs >= 0) return add_metaballs(n, sections[0]);
     deformations_.clear();
     deformations_.resize(sections.size());
     indices_.assign(sections.size(), -1);
@@ -114,6 +117,41 @@ class FrameBuilder {
     for (size_t s = 0; s < sections.size(); ++s)
       if (DrawnSections::can_be_drawn(sections[s]) && deformations_[s].skinned)
         frame_.items.push_back(item_of(n, s, 0, transform, glm::dmat4(1.0), mirrored));
+  }
+
+  // One transform, whether there is a surface or not, so that motion finds the same ones at the time before.
+  void add_metaballs(size_t n, const MeshSection& section) {
+    const Metaballs& body = pose_.metaballs[size_t(section.metaballs)];
+    PosedMetaballs posed;
+    posed.index = uint32_t(section.metaballs), posed.node = uint32_t(n), posed.mesh = uint32_t(scene_.nodes[n].mesh);
+    posed.relative_from_node = drawn_.target_from_node(n);
+    posed.threshold = body.threshold;
+    posed.noise_amplitude = body.noise_amplitude, posed.noise_frequency_per_m = body.noise_frequency_per_m;
+    posed.balls = pose_metaballs(body, pose_);
+    posed.lattice = make_metaball_lattice(posed.balls, posed.threshold, double(body.cell_m) * cells_);
+    posed.transform = uint32_t(frame_.relative_from_local.size());
+    posed.first_deformation = uint32_t(frame_.deformations.size());
+    posed.chunks = metaball_chunks(posed.lattice.most_triangles);
+    const glm::dvec3 origin_m = posed.lattice.origin_m();
+    const glm::dmat4 relative_from_lattice = posed.relative_from_node * glm::translate(glm::dmat4(1.0), origin_m);
+    frame_.relative_from_local.push_back(glm::mat4(relative_from_lattice));
+    frame_.world_origins.push_back(glm::dvec3(pose_.world_from_node[n] * glm::dvec4(origin_m, 1.0)));
+    DrawItem item;
+    item.mesh = posed.mesh, item.node = posed.node, item.transform = posed.transform;
+    item.material = section.material;
+    item.mirrored = glm::determinant(glm::dmat3(posed.relative_from_node)) < 0;
+    const DAabb bounds = drawn_metaball_bounds(posed.balls, posed.threshold, posed.lattice.cell_m);
+    const DAabb relative = bounds.empty() ? bounds : padded_bounds(bounds, posed.relative_from_node);
+    item.bounds_relative = to_float(relative);
+    if (is_finite(relative)) item.view_depth_m = -(view_.view_from_relative * glm::dvec4(relative.centre(), 1.0)).z;
+    for (uint32_t chunk = 0; chunk < posed.chunks; ++chunk) {
+      item.deformed = int(frame_.deformations.size());
+      Deformation deformation{.mesh = posed.mesh, .section = 0};
+      deformation.body = int(frame_.metaballs.size()), deformation.chunk = chunk;
+      frame_.deformations.push_back(deformation);
+      frame_.items.push_back(item);
+    }
+    frame_.metaballs.push_back(std::move(posed));
   }
 
   // Instances are many: each thread takes some, to their places.
@@ -282,6 +320,7 @@ class FrameBuilder {
   DrawnSections drawn_;
   float lamp_radius_m_;
   const DevicePose& on_device_;
+  double cells_;  // of metaballs, in units of what the scene says
   FrameData frame_;
   // Of the node at hand, kept to save allocations.
   std::vector<SectionDeformation> deformations_;
@@ -341,8 +380,8 @@ Aabb bounds_of(const Scene& scene, const ItemGroup& group, uint32_t instance, ui
 }
 
 FrameData make_frame_data(const Scene& scene, const Pose& pose, const View& view, double lamp_radius_m,
-                          const DevicePose& on_device) {
-  return FrameBuilder(scene, pose, view, lamp_radius_m, on_device).build();
+                          const DevicePose& on_device, double cells) {
+  return FrameBuilder(scene, pose, view, lamp_radius_m, on_device, cells).build();
 }
 
 }  // namespace candela

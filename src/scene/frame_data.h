@@ -8,6 +8,7 @@
 
 #include "scene/instance_layout.h"
 #include "scene/light_layout.h"
+#include "scene/metaballs.h"
 #include "scene/pose.h"
 #include "scene/scene.h"
 #include "scene/view.h"
@@ -30,6 +31,10 @@ struct Deformation {
   uint32_t mesh = 0, section = 0;
   uint32_t first_joint = 0, joint_count = 0;    // into FrameData::joint_matrices; 0 joints: morph only
   uint32_t first_weight = 0, weight_count = 0;  // into FrameData::morph_weights
+  // Of metaballs instead: into FrameData::metaballs, and which chunk of the body's triangles; they come out in the
+  // lattice's space (metaballs.h).
+  int body = -1;
+  uint32_t chunk = 0;
 };
 
 struct LightItem {  // a light in relative space
@@ -80,8 +85,9 @@ struct FrameData {
   std::vector<Deformation> deformations;
   std::vector<glm::mat4> joint_matrices;  // relative_from_bind
   std::vector<float> morph_weights;
-  std::vector<LightItem> lights;         // in node order; zero intensity ones left out
-  std::vector<LightGroup> light_groups;  // in node order; instances that are not among `lights`
+  std::vector<PosedMetaballs> metaballs;  // in node order
+  std::vector<LightItem> lights;          // in node order; zero intensity ones left out
+  std::vector<LightGroup> light_groups;   // in node order; instances that are not among `lights`
   // The first directional light in node order, of zero intensity too: skies follow it when its light has faded.
   std::optional<LightItem> first_sun;
   bool perspective = true;  // of the view
@@ -99,9 +105,9 @@ struct DevicePose {
 };
 
 // Flattens a posed scene for one view. Pure; the same input gives the same bytes. lamp_radius_m: of point and spot
-// lights that say nothing of it.
+// lights that say nothing of it. cells: of metaballs' lattices, in units of what the scene says.
 FrameData make_frame_data(const Scene& scene, const Pose& pose, const View& view, double lamp_radius_m = 0,
-                          const DevicePose& on_device = {});
+                          const DevicePose& on_device = {}, double cells = 1);
 
 // A box about all that a cluster of the group shows, in relative space: about its items' boxes, however they are
 // rounded.

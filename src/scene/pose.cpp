@@ -235,6 +235,7 @@ Pose evaluate_pose(const Scene& scene, const AnimationChoice& animations, double
   pose.materials = scene.materials;
   pose.lights = scene.lights;
   pose.cameras = scene.cameras;
+  pose.metaballs = scene.metaballs;
   std::vector<NodeState> nodes;
   nodes.reserve(scene.nodes.size());
   pose.node_weights.reserve(scene.nodes.size());

@@ -44,6 +44,7 @@ struct Pose {
   std::vector<Material> materials;               // copies, with animated values
   std::vector<Light> lights;
   std::vector<Camera> cameras;
+  std::vector<Metaballs> metaballs;
   std::vector<std::string> warnings;  // animated values that had to be clamped or left out, one line each
 };
 

@@ -172,6 +172,20 @@ struct MorphTarget {  // deltas; each array is empty or vertex_count long
   std::vector<glm::vec3> position, normal, tangent;
 };
 
+// CANDELA_metaballs: a surface where a sum of kernels about the origins of nodes is the threshold (metaballs.h).
+struct Metaball {
+  int node = -1;
+  float radius_m = 1;  // of its kernel's support, in the space of the body's node
+  float strength = 1;  // of its kernel at the centre; negative ones hollow out
+};
+struct Metaballs {
+  int node = -1;  // that shows it; the balls' nodes are below it
+  float threshold = 0.5f;
+  float cell_m = 0;                                      // of its polygons' lattice at the knob metaballs.cell = 1
+  float noise_amplitude = 0, noise_frequency_per_m = 1;  // by which normals are turned
+  std::vector<Metaball> balls;
+};
+
 struct DeformationBounds;  // deformation_bounds.h
 class KeptViewHulls;       // view_hulls.h
 
@@ -189,6 +203,9 @@ struct MeshSection {
   std::vector<glm::u16vec4> joints0, joints1;
   std::vector<glm::vec4> weights0, weights1;  // sum of both sets is 1 for every vertex
   std::vector<uint32_t> index;
+  // Into Scene::metaballs, or -1. Then there are no vertices: each frame makes its own, and `index` numbers those of
+  // one chunk of them (metaballs.h).
+  int metaballs = -1;
   std::vector<MorphTarget> morph;
   Aabb bounds;  // of position, computed, not trusted from the file
   // Per joint and per morph target, made once after loading by prepare_deformation_bounds; null: made anew where
@@ -307,6 +324,9 @@ enum class TargetPath : uint8_t {
   camera_far,
   camera_xmag,
   camera_ymag,
+  metaballs_threshold,
+  metaballs_radius,    // of body `object`, ball `element`
+  metaballs_strength,  // the same
 };
 enum class TextureSlotName : int {
   base_color,
@@ -363,6 +383,7 @@ struct Scene {
   std::vector<Material> materials;
   Material default_material;  // of surfaces without one
   std::vector<Mesh> meshes;
+  std::vector<Metaballs> metaballs;
   std::vector<Camera> cameras;
   std::vector<Light> lights;
   std::vector<Node> nodes;

@@ -72,8 +72,7 @@ void use_material(SceneFacts& facts, const Material& m, bool refraction) {
 void count_item(SceneFacts& facts, const DrawItem& item, uint64_t times, const MeshSection& section,
                 const Material& material, const FrameData& frame, bool refraction) {
   add(facts.draw_items, times);
-  const bool unlit =
-      material.unlit || section.normal.empty();  // no normal: lines and points, which the specification leaves unlit
+  const bool unlit = is_unlit(section, &material);
   const bool blend = material.alpha_mode == AlphaMode::blend;
   if (refraction && refracts(section, material)) {
     add(facts.refracting_items, times);
@@ -85,7 +84,8 @@ void count_item(SceneFacts& facts, const DrawItem& item, uint64_t times, const M
     add(material.alpha_mode == AlphaMode::mask ? facts.mask_items : facts.opaque_items, times);
     add(unlit ? facts.unlit_items : facts.lit_items, times);
   }
-  if (item.deformed >= 0) {
+  if (section.metaballs >= 0) add(facts.metaball_chunks, times);
+  if (item.deformed >= 0 && section.metaballs < 0) {
     const Deformation& deformation = frame.deformations[size_t(item.deformed)];
     add(facts.deformed_items, times);
     if (deformation.joint_count > 0) add(facts.skinned_items, times);
@@ -194,6 +194,7 @@ std::string facts_json(const SceneFacts& f) {
       {"skinned_items", f.skinned_items},
       {"morphed_items", f.morphed_items},
       {"deformed_vertices", f.deformed_vertices},
+      {"metaball_chunks", f.metaball_chunks},
       {"triangles", f.triangles},
       {"lines", f.lines},
       {"points", f.points},

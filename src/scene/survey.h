@@ -25,6 +25,7 @@ struct SceneFacts {
   bool takes_light() const { return lit_items + blend_lit_items + refracting_items > 0; }
   uint32_t deformed_items = 0, skinned_items = 0, morphed_items = 0;
   uint32_t deformed_vertices = 0;
+  uint32_t metaball_chunks = 0;                   // items that have room for metaballs' polygons
   uint32_t triangles = 0, lines = 0, points = 0;  // drawn, instances counted each time
   uint32_t point_lights = 0, spot_lights = 0, directional_lights = 0;
   uint32_t sized_lights = 0;  // point and spot lights with a radius

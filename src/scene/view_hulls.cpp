@@ -286,6 +286,8 @@ class Walk {
   void add(const Pose& pose, DrawnSections& drawn, Part part, Outlines& outlines) {
     const MeshSection& section = section_of(scene_, part);
     const SectionDeformation deformation = drawn.deformation_of(section, part.node);
+    if (section.metaballs >= 0)
+      return add_box(drawn.bounds_of(section, part.node, {}, drawn.target_from_node(part.node)), outlines);
     Posing posing = posing_of(scene_, pose, drawn, part, deformation);
     Posing& before = before_[part];
     if (before == posing) return;
@@ -296,6 +298,11 @@ class Walk {
       if (!is_finite(box) || !outlines.contain(box)) add_vertices(outlines, section, vertices, posing, world);
     }
     before = std::move(posing);
+  }
+  static void add_box(const DAabb& box, Outlines& outlines) {
+    if (box.empty() || !is_finite(box)) return;
+    for (int c = 0; c < 8; ++c)
+      outlines.add({c & 1 ? box.max.x : box.min.x, c & 2 ? box.max.y : box.min.y, c & 4 ? box.max.z : box.min.z});
   }
 
   const Scene& scene_;
@@ -312,7 +319,7 @@ std::vector<double> film_times(const Scene& scene, const AnimationChoice& choice
   std::set<double> keys;
   for (const int a : choice.animations)
     for (const AnimationChannel& channel : scene.animations[size_t(a)].channels)
-      if (channel.path <= TargetPath::node_visible)
+      if (channel.path <= TargetPath::node_visible || channel.path >= TargetPath::metaballs_threshold)
         for (const float t : channel.times_s) keys.insert(double(t));
   if (scene.paths)
     for (const ScenePath& path : scene.paths->paths) keys.insert(path.times.time_s.begin(), path.times.time_s.end());

@@ -34,6 +34,7 @@ void add_deep_shadows(Recipes& all);
 void add_bodies_by_faces(Recipes& all);
 void add_mirrors(Recipes& all);
 void add_shutter(Recipes& all);
+void add_metaballs(Recipes& all);
 
 using std::numbers::pi;
 

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "passes/geometry/metaballs.h"
 #include "passes/geometry/pose_items.h"
 #include "passes/lights/pose_lights.h"
 #include "passes/post/supersample.h"
@@ -75,6 +76,9 @@ void build_frame(Frame& frame, const SceneInputs& inputs, const Technique& techn
   if (scene.item_group_count > 0)
     scene.transforms = items.transforms, scene.items = items.items, scene.batches = items.batches,
     scene.places = items.places;
+  const MetaballPolygons::Out polygons = frame.add(MetaballPolygons{}, {scene});
+  scene.items = newest(polygons.items, scene.items);
+  scene.polygons = polygons.vertices, scene.polygons_before = polygons.before;
   const BufferHandle posed = frame.add(PoseLights{.on_device = scene.light_group_count > 0}, {scene}).lights;
   if (scene.light_group_count > 0) scene.lights = posed;
   if (frame.request.part.role == SubframePart::Role::subframe) become_subframe(scene, frame.request.part);

@@ -146,7 +146,7 @@ Surfaces visible_surfaces(Frame& frame, const SceneInputs& scene) {
   Surfaces surfaces;
   surfaces.kept_items = culled.masks;
   surfaces.draws = frame.add(CullCompact{}, {scene, culled.masks, culled.survivors}).draws;
-  surfaces.deformed = frame.add(Deform{}, {scene}).deformed;
+  surfaces.deformed = newest(frame.add(Deform{}, {scene, scene.polygons}).deformed, scene.polygons);
   find_nearest(frame, scene, surfaces);
   return surfaces;
 }
@@ -159,10 +159,10 @@ Surfaces seen_again(Frame& frame, const SceneInputs& scene, Surfaces surfaces, s
 namespace {
 // Deformed vertices of the time before; this one's where they are the same.
 BufferHandle deformed_before(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces) {
-  if (!scene.joints_before && !scene.weights_before) return surfaces.deformed;
+  if (!scene.joints_before && !scene.weights_before && !scene.polygons_before) return surfaces.deformed;
   SceneInputs before = scene;
   before.joints = scene.joints_before, before.weights = scene.weights_before;
-  return frame.add(Deform{}, {before}, "before").deformed;
+  return newest(frame.add(Deform{}, {before, scene.polygons_before}, "before").deformed, scene.polygons_before);
 }
 }  // namespace
 

@@ -51,6 +51,8 @@ constexpr SceneEntry table[] = {
      most_light_instances},
     {"lobes", "clear coat, sheen, thin films, anisotropy and passing light of rising strength, and all at once",
      make_lobes},
+    {"metaballs", "a body of six balls that meet and part over a tiled floor (CANDELA_metaballs)", make_metaballs},
+    {"metaballs-glass", "the same body of clear glass", make_metaballs_glass, 0, false},
     {"morph", "a cube with two morph targets and animated weights", make_morph},
     {"near-world", "a few objects around the origin; the yardstick of far-world", make_near_world},
     {"normal-mapped", "normal maps without tangents, straight and mirrored", make_normal_mapped},

@@ -46,6 +46,8 @@ void make_hair(GlbWriter& out, SceneOptions& options);
 void make_windows(GlbWriter& out, SceneOptions& options);
 void make_smoke(GlbWriter& out, SceneOptions& options);
 
+void make_metaballs(GlbWriter& out, SceneOptions& options);
+void make_metaballs_glass(GlbWriter& out, SceneOptions& options);
 void make_cave(GlbWriter& out, SceneOptions& options);
 void make_room(GlbWriter& out, SceneOptions& options);
 void make_animated(GlbWriter& out, SceneOptions& options);

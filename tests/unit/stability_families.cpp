@@ -27,10 +27,10 @@ TEST(Stability, HasScenesOfUniqueNames) {
     EXPECT_TRUE(names.insert(recipe.family + "/" + recipe.name).second) << recipe.name;
   }
   EXPECT_GE(names.size(), 400u);
-  EXPECT_EQ(families, (std::set<std::string>{"depth",     "worlds",       "lights",       "materials", "lobes",
-                                             "glass",     "transparency", "textures",     "geometry",  "animation",
-                                             "tone",      "images",       "fog",          "skies",     "sides",
-                                             "occlusion", "far-lights",   "deep-shadows", "bodies",    "mirrors"}));
+  EXPECT_EQ(families, (std::set<std::string>{
+                          "depth",    "worlds",    "lights",     "materials",    "lobes",  "glass",   "transparency",
+                          "textures", "geometry",  "animation",  "tone",         "images", "fog",     "skies",
+                          "sides",    "occlusion", "far-lights", "deep-shadows", "bodies", "mirrors", "metaballs"}));
 }
 
 TEST(Stability, ScenesFollowFromTheSeed) {

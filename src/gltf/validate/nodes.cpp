@@ -160,6 +160,34 @@ void check_light_instances(Document& d, const Json& node, const std::string& nod
     check_light_attribute(d, attributes, attribute, at, name, translation->count);
 }
 
+// Centres are nodes below the body's, so that what moves or hides it moves and hides them. Needs Document::parents.
+void check_metaballs(Document& d, size_t i) {
+  const Json& node = elements(d.json, "nodes")[i];
+  const Json& body = extension(node, "CANDELA_metaballs");
+  if (!body.is_object()) return;
+  const std::string path = fmt::format("/nodes/{}/extensions/CANDELA_metaballs", i);
+  if (node.contains("mesh"))
+    d.findings.fatal("VALUE_NOT_IN_LIST", path, "the node has a mesh too; put one of them on a child");
+  d.reference(body, "material", "materials", path);
+  const Json& balls = elements(body, "balls");
+  constexpr size_t most = 1024;
+  if (balls.size() > most)
+    d.findings.fatal("VALUE_NOT_IN_RANGE", path + "/balls", "{} balls, and a body has at most {}", balls.size(), most);
+  for (size_t b = 0; b < balls.size(); ++b) {
+    const std::string at = fmt::format("{}/balls/{}", path, b);
+    int64_t above = d.reference(balls[b], "node", "nodes", at);
+    if (above < 0) continue;
+    // No more steps than there are nodes: loops are reported elsewhere.
+    for (size_t step = 0; step <= d.parents.size() && above >= 0; ++step) {
+      above = d.parents[above];
+      if (above == int64_t(i)) break;
+    }
+    if (above != int64_t(i))
+      d.findings.fatal("UNRESOLVED_REFERENCE", at + "/node", "node {} is not below node {}, whose ball it is to be",
+                       integer(balls[b], "node", -1), i);
+  }
+}
+
 void check_node(Document& d, size_t i) {
   const Json& node = elements(d.json, "nodes")[i];
   const std::string path = fmt::format("/nodes/{}", i);
@@ -239,6 +267,7 @@ void check_nodes(Document& d) {
   for (size_t i = 0; i < d.count("nodes"); ++i) check_node(d, i);
   link_parents(d);
   find_loops(d);
+  for (size_t i = 0; i < d.count("nodes"); ++i) check_metaballs(d, i);
   check_scenes(d);
 }
 

@@ -56,6 +56,40 @@ const ObjectSchema& light_size_schema() {
   return schema;
 }
 
+const ObjectSchema& metaball_schema() {
+  static const ObjectSchema schema{
+      "metaball",
+      {{.name = "node", .shape = Shape::index, .required = true},
+       {.name = "radius", .shape = Shape::number, .lowest = 0, .highest = 1e15, .above_lowest = true},
+       {.name = "strength", .shape = Shape::number, .lowest = -1e6, .highest = 1e6}}};
+  return schema;
+}
+
+const ObjectSchema& metaball_noise_schema() {
+  static const ObjectSchema schema{
+      "metaballNoise",
+      {{.name = "amplitude", .shape = Shape::number, .lowest = 0, .highest = 0.99},
+       {.name = "frequency", .shape = Shape::number, .lowest = 0, .highest = 1e15, .above_lowest = true}}};
+  return schema;
+}
+
+const ObjectSchema& metaballs_schema() {
+  static const ObjectSchema schema{
+      "metaballs",
+      {{.name = "threshold", .shape = Shape::number, .lowest = 0, .highest = 1e6},
+       {.name = "radius", .shape = Shape::number, .lowest = 0, .highest = 1e15, .above_lowest = true},
+       {.name = "strength", .shape = Shape::number, .lowest = -1e6, .highest = 1e6},
+       {.name = "cell", .shape = Shape::number, .lowest = 0, .highest = 1e15, .above_lowest = true},
+       {.name = "material", .shape = Shape::index},
+       {.name = "noise", .shape = Shape::object, .object = &metaball_noise_schema()},
+       {.name = "balls",
+        .shape = Shape::objects,
+        .object = &metaball_schema(),
+        .required = true,
+        .empty = Harm::fatal}}};
+  return schema;
+}
+
 const ObjectSchema& texture_transform_schema() {
   static const ObjectSchema schema{"textureTransform",
                                    {{.name = "offset", .shape = Shape::numbers, .lengths = {2}},
@@ -210,6 +244,7 @@ const std::vector<ExtensionSchema>& extension_schemas() {
       {"KHR_lights_punctual", "node", &node_light_schema()},
       {"CANDELA_light_instances", "node", &light_instances_schema()},
       {"CANDELA_light_size", "light", &light_size_schema()},
+      {"CANDELA_metaballs", "node", &metaballs_schema()},
       {"CANDELA_materials_blinn_phong", "material", &blinn_phong_schema()},
       {"KHR_texture_transform", "textureInfo", &texture_transform_schema()},
       {"KHR_materials_emissive_strength", "material", &emissive_strength_schema()},

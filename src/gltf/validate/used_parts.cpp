@@ -94,6 +94,9 @@ UsedParts::UsedParts(const Json& document, bool animated) : animated_(animated) 
       for (const Json& mapping : elements(extension(primitive, "KHR_materials_variants"), "mappings"))
         parts_["materials"].insert(integer(mapping, "material", -1));
     }
+  for (const int64_t node : parts_["nodes"])
+    parts_["materials"].insert(
+        integer(extension(item_of(elements(document, "nodes"), node), "CANDELA_metaballs"), "material", -1));
   for (const int64_t material : parts_["materials"])
     add_textures(item_of(elements(document, "materials"), material), parts_["textures"]);
 }

@@ -15,8 +15,9 @@ Deform::Out Deform::declare(GraphBuilder& builder, const In& in) const {
   builder.read_optional(in.scene.joints, Access::compute_read);
   builder.read_optional(in.scene.weights, Access::compute_read);
   Out out;
-  out.deformed = builder.write(builder.create(BufferDesc{"deform.vertices", uint64_t(in.scene.deformed_words) * 4}),
-                               Access::compute_write);
+  const BufferHandle vertices =
+      in.polygons ? in.polygons : builder.create(BufferDesc{"deform.vertices", uint64_t(in.scene.deformed_words) * 4});
+  out.deformed = builder.write(vertices, Access::compute_write);
   out.pipeline = builder.pipeline(ComputePipelineDesc{"deform.comp", {}});
   return out;
 }

@@ -11,6 +11,7 @@ struct Deform {
   static constexpr std::string_view name = "deform";
   struct In {
     SceneInputs scene;
+    BufferHandle polygons{};  // of metaballs, beside which vertices go; may be empty
   };
   struct Out {
     BufferHandle deformed;

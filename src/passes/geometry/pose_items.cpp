@@ -19,14 +19,14 @@ std::span<const Knob> PoseItems::Knobs::table() {
 }
 
 Need PoseItems::needed(const SceneFacts&, const FrameRequest&) const {
-  return needed_if(on_device, "the host poses all items");
+  return needed_if(on_device, "the host poses all items, and no pass changes them");
 }
 
 PoseItems::Out PoseItems::declare(GraphBuilder& builder, const In& in) const {
   const SceneInputs& s = in.scene;
-  for (const BufferHandle b : {s.item_groups, s.item_spans, s.item_sections, s.mesh_instances})
-    builder.read(b, Access::compute_read, "groups of items");
-  for (const BufferHandle b : {s.posed_transforms, s.posed_items, s.batch_spans, s.posed_batches, s.posed_places})
+  for (const BufferHandle b : {s.item_groups, s.item_spans}) builder.read(b, Access::compute_read, "groups of items");
+  for (const BufferHandle b : {s.item_sections, s.mesh_instances, s.posed_transforms, s.posed_items, s.batch_spans,
+                               s.posed_batches, s.posed_places})
     builder.read_optional(b, Access::compute_read);
   Out out;
   out.transforms = builder.write(s.transforms, Access::compute_write);

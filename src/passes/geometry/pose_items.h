@@ -27,7 +27,7 @@ struct PoseItems {
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;
   void record(CommandList& commands, const In& in, const Out& out) const;
-  bool on_device = false;  // there are groups of instances
+  bool on_device = false;  // there are groups of instances, or a pass changes items
 };
 
 }  // namespace candela

@@ -50,7 +50,12 @@ struct SceneInputs {
   TracedRays rays;                                            // but for its handles, which are these
   std::shared_ptr<const std::vector<TreeRange>> tree_ranges;  // null: nothing is traced
   BufferHandle deform_jobs, joints, weights;                  // empty when nothing is deformed
-  BufferHandle object_mattes, material_mattes;                // ids of names; empty unless their layers are wanted
+  // What polygons of metaballs are made from (passes/geometry/metaballs.h); empty without. The last: where motion is
+  // asked for. `polygons` are what it has made of deformed vertices, which `deform` adds to.
+  BufferHandle metaball_bodies, metaballs, metaball_blocks, metaball_lists, metaballs_before;
+  BufferHandle polygons, polygons_before;
+  uint32_t metaball_body_count = 0, metaball_block_count = 0, metaball_block_room = 0;
+  BufferHandle object_mattes, material_mattes;  // ids of names; empty unless their layers are wanted
   // Where things were at the time before (shared/motion.h); empty: nothing moves, or it is not asked for. The last two
   // are empty where deformed vertices are the same.
   BufferHandle motion, joints_before, weights_before;

@@ -144,6 +144,7 @@ std::vector<StabilityRecipe> stability_recipes(const std::vector<std::pair<int, 
   stability::add_bodies_by_faces(all);
   stability::add_mirrors(all);
   stability::add_shutter(all);
+  stability::add_metaballs(all);
   return all;
 }
 

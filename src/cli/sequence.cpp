@@ -52,6 +52,7 @@ Json sequence_timings(const SequenceResult& result, const Session& session) {
                      {"drawn", result.timings.lamp_maps_drawn},
                      {"drawn_over", result.timings.lamp_maps_over}};
   j["uploaded_bytes"] = uploaded_json(session.opening(), result.timings);
+  j["heap_allocations"] = result.timings.heap_allocations;
   return j;
 }
 

@@ -10,9 +10,9 @@ namespace {
 // Strengths beyond it would leave sums of floats without digits.
 constexpr double most_strength = 1e6;
 
-class Reader {
+class MetaballReader {
  public:
-  Reader(const Document& document, const Scene& scene, int node)
+  MetaballReader(const Document& document, const Scene& scene, int node)
       : document_(document),
         scene_(scene),
         node_(node),
@@ -98,7 +98,7 @@ void import_metaballs(Document& document, Scene& scene) {
     const Json& json = document.json["nodes"][n];
     const Json* extended = extension(json, "CANDELA_metaballs");
     if (!extended) continue;
-    const Reader reader(document, scene, int(n));
+    const MetaballReader reader(document, scene, int(n));
     if (scene.nodes[n].mesh >= 0)
       document.refuse(reader.path(), "the node has a mesh too; put one of them on a child (VALUE_NOT_IN_LIST)");
     Metaballs body = reader.read(*extended);

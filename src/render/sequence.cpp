@@ -43,7 +43,7 @@ void add_sums(Timings& sums, Timings frame, bool keep_spans) {
   sums.frame_gpu_ms += frame.frame_gpu_ms;
   sums.lamp_maps += frame.lamp_maps, sums.lamp_maps_drawn += frame.lamp_maps_drawn;
   sums.lamp_maps_over += frame.lamp_maps_over;
-  sums.uploaded_bytes += frame.uploaded_bytes;
+  sums.uploaded_bytes += frame.uploaded_bytes, sums.heap_allocations += frame.heap_allocations;
   if (keep_spans) sums.spans.insert(sums.spans.end(), frame.spans.begin(), frame.spans.end());
 }
 

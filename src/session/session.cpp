@@ -15,6 +15,7 @@
 #include "plan/choose_sides.h"
 #include "plan/posed_scene.h"
 #include "plan/scene_motion.h"
+#include "session/allocations.h"
 #include "session/device_samples.h"
 #include "session/draw_probes.h"
 #include "session/gpu_scene.h"
@@ -43,7 +44,7 @@ void add_times(const Timings& of, Timings& to) {
   }
   to.frame_gpu_ms += of.frame_gpu_ms;
   to.lamp_maps += of.lamp_maps, to.lamp_maps_drawn += of.lamp_maps_drawn, to.lamp_maps_over += of.lamp_maps_over;
-  to.uploaded_bytes += of.uploaded_bytes;
+  to.uploaded_bytes += of.uploaded_bytes, to.heap_allocations += of.heap_allocations;
   to.spans.insert(to.spans.end(), of.spans.begin(), of.spans.end());
 }
 
@@ -326,6 +327,7 @@ Expected<FrameTicket> DeviceSession::begin_job(const Job& job, double time_s, bo
 Expected<FrameTicket> DeviceSession::begin_frame(const Job& job, double time_s, bool hash_outputs,
                                                  const Subframe* subframe) {
   const double start = process_clock_us();
+  const uint64_t allocations_before = heap_allocations();
   PlanContext context = plan_context();
   context.subframe = subframe;
   const KeptKeys kept = kept_ ? kept_->keys() : KeptKeys{};
@@ -358,6 +360,7 @@ Expected<FrameTicket> DeviceSession::begin_frame(const Job& job, double time_s, 
     }
     const auto ticket = begin_planned(*planned, begun, hash_outputs);
     if (!ticket) return ticket;
+    result.timings.heap_allocations = heap_allocations() - allocations_before;
     count_lamp_maps(planned->lamps, result.timings);
     result.timings.uploaded_bytes = device_->uploaded_bytes() - uploaded_before;
     result.window = picture_window(job_);

@@ -23,16 +23,23 @@ LatticeBall ball_at(uint i) {
   return LatticeBallsRef(pc.balls).b[body.first_ball + WordsRef(pc.lists).w[block.first + i]];
 }
 
-// Towards where the field falls; not of unit length. 0 where it has no slope.
-vec3 falling(vec3 p) {
-  vec3 sum = vec3(0.0);
+// The field's outward direction, of unit length. Where it has no slope, as at the ends of kernels, away from the ball
+// whose kernel ends last.
+vec3 outwards(vec3 p, vec3 otherwise) {
+  vec3 sum = vec3(0.0), away = otherwise;
+  float nearest = 1e30;
   for (uint i = 0u; i < block.count; ++i) {
     const LatticeBall b = ball_at(i);
     const vec3 d = p - b.centre;
-    const float u = left_of(b, d);
+    const float u = left_of(b, d), square = dot(d, d) * b.inverse_square_radius;
     sum += (b.strength * b.inverse_square_radius * u * u) * d;
+    if (b.strength > 0.0 && square > 0.0 && square < nearest) {
+      nearest = square;
+      away = normalize(d);
+    }
   }
-  return sum;
+  const float largest = max(abs(sum.x), max(abs(sum.y), abs(sum.z)));
+  return largest > 1e-30 && !isinf(largest) ? normalize(sum / largest) : away;
 }
 
 float field_before(vec3 p, out vec3 slope) {
@@ -98,9 +105,7 @@ void store_vertex(uint vertex, vec3 p, vec3 face_normal) {
   store3(pc.deformed, word, p_m);
   if (HAS_BEFORE != 0) store3(pc.deformed_before, word, place_before(p) * body.cell_m + body.before_shift);
   if (body.normals == absent) return;
-  vec3 n = falling(p);
-  const float largest = max(abs(n.x), max(abs(n.y), abs(n.z)));
-  n = largest > 0.0 && !isinf(largest) ? normalize(n / largest) : face_normal;
+  vec3 n = outwards(p, face_normal);
   if (body.noise_amplitude > 0.0)
     n = turned_normal(n, p * body.noise_frequency + body.noise_origin, body.noise_amplitude);
   store3(pc.deformed, word + body.normals, n);
@@ -127,7 +132,7 @@ void main() {
       for (uint k = 0u; k < triangles_of(inside); ++k, ++triangle) {
         vec3 p[3];
         for (uint i = 0u; i < 3u; ++i)
-          p[i] = vertex_of(block, cell, tetrahedron, cut_edges[inside] >> (4u * (3u * k + i)) & 15u);
+          p[i] = vertex_of(body, block, cell, tetrahedron, cut_edges[inside] >> (4u * (3u * k + i)) & 15u);
         if (triangle >= body.chunk_count * chunk_triangles) return;  // never: the host knows a bound
         const vec3 across = cross(p[1] - p[0], p[2] - p[0]);
         const float area = length(across);

@@ -5,6 +5,7 @@
 
 const int block_cells = 8, block_nodes = block_cells + 1, block_node_count = block_nodes * block_nodes * block_nodes;
 const float least_inside = 1e-30;       // F that is inside; 0 is not, nor what a device may flush to it
+const int halvings = 4;                 // of an edge, before its vertex is interpolated
 const float least_along = 1.0 / 4096.0; // of an edge, before and behind a vertex
 const uint chunk_triangles = 4096u;
 
@@ -15,13 +16,13 @@ ivec3 node_at(int place) {
   return ivec3(place % block_nodes, place / block_nodes % block_nodes, place / (block_nodes * block_nodes));
 }
 
-float field_at(MetaballBody body, MetaballBlock block, ivec3 node) {
+float field_at(MetaballBody body, MetaballBlock block, vec3 p) {
   precise float sum = 0.0;
   for (uint i = 0u; i < block.count; ++i) {
     const LatticeBall b = LatticeBallsRef(pc.balls).b[body.first_ball + WordsRef(pc.lists).w[block.first + i]];
-    precise float x = float(node.x) - b.centre.x;
-    precise float y = float(node.y) - b.centre.y;
-    precise float z = float(node.z) - b.centre.z;
+    precise float x = p.x - b.centre.x;
+    precise float y = p.y - b.centre.y;
+    precise float z = p.z - b.centre.z;
     precise float square = x * x + y * y + z * z;
     precise float u = 1.0 - square * b.inverse_square_radius;
     if (u > 0.0) {
@@ -38,7 +39,7 @@ float field_at(MetaballBody body, MetaballBlock block, ivec3 node) {
 void fill_field(MetaballBody body, MetaballBlock block, uint thread, uint threads) {
   const ivec3 first = ivec3(block.first_x, block.first_y, block.first_z);
   for (int i = int(thread); i < block_node_count; i += int(threads))
-    field_of_block[i] = field_at(body, block, first + node_at(i));
+    field_of_block[i] = field_at(body, block, vec3(first + node_at(i)));
 }
 
 // Freudenthal's six about a cell's diagonal: corners in bits 0 to 2 for x, y and z, the first in the lowest digit.
@@ -77,17 +78,31 @@ float exact_reciprocal(float d) {
   return x;
 }
 
-// In cells from the lattice's origin. From the lower corner on: all cells whose edge it is do so.
-vec3 vertex_of(MetaballBlock block, ivec3 cell, uint tetrahedron, uint edge) {
+// In cells from the lattice's origin. A few halvings find kernels that end within the edge. From the lower corner on: all cells whose edge it is do so.
+vec3 vertex_of(MetaballBody body, MetaballBlock block, ivec3 cell, uint tetrahedron, uint edge) {
   const uint i = corner_of(tetrahedron, edge & 3u), j = corner_of(tetrahedron, edge >> 2);
   const uint a = min(i, j), b = max(i, j);
-  const float low = field_of_corner(cell, a), high = field_of_corner(cell, b);
+  const vec3 from = vec3(ivec3(block.first_x, block.first_y, block.first_z) + cell + corner_offset(a));
+  const vec3 way = vec3(corner_offset(b) - corner_offset(a));
+  float low = field_of_corner(cell, a), high = field_of_corner(cell, b), begin = 0.0, width = 1.0;
+  const bool is_low_inside = low > least_inside;
+  for (int i = 0; i < halvings; ++i) {
+    width *= 0.5;
+    precise vec3 middle = from + (begin + width) * way;
+    const float there = field_at(body, block, middle);
+    if ((there > least_inside) == is_low_inside) {
+      begin += width;
+      low = there;
+    } else {
+      high = there;
+    }
+  }
   precise float down = low - high;
-  precise float t = low * exact_reciprocal(abs(down));
-  if (down < 0.0) t = -t;
+  precise float s = low * exact_reciprocal(abs(down));
+  if (down < 0.0) s = -s;
+  s = min(max(s, 0.0), 1.0);
+  precise float t = begin + width * s;
   t = min(max(t, least_along), 1.0 - least_along);
-  const ivec3 from = ivec3(block.first_x, block.first_y, block.first_z) + cell + corner_offset(a);
-  const ivec3 way = corner_offset(b) - corner_offset(a);
-  precise vec3 p = vec3(from) + t * vec3(way);
+  precise vec3 p = from + t * way;
   return p;
 }

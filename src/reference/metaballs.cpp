@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace candela {
@@ -179,7 +180,18 @@ glm::dvec3 MetaballSurface::polished(glm::dvec3 near, glm::dvec3 direction) cons
   return is_better ? near + t * glm::normalize(direction) : near;
 }
 
-glm::dvec3 MetaballSurface::outwards(glm::dvec3 p) const { return unit_or_zero(-slope(p)); }
+glm::dvec3 MetaballSurface::outwards(glm::dvec3 p) const {
+  const glm::dvec3 steepest = slope(p);
+  if (glm::length(steepest) > 1e-20) return unit_or_zero(-steepest);
+  // At the ends of kernels: away from the ball whose kernel ends last.
+  const PosedBall* last = nullptr;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const PosedBall& ball : body_.balls) {
+    const double q = glm::length(p - ball.centre) / ball.radius_m;
+    if (ball.strength > 0 && q > 0 && q < nearest) nearest = q, last = &ball;
+  }
+  return last ? unit_or_zero(p - last->centre) : glm::dvec3(0);
+}
 
 glm::dvec3 MetaballSurface::geometric_normal(glm::dvec3 relative) const {
   return unit_or_zero(glm::transpose(glm::dmat3(node_from_relative_)) * outwards(in_node(relative)));

@@ -15,6 +15,7 @@ namespace {
 
 constexpr int cells = metaball_block_cells, nodes = cells + 1;
 constexpr float least_inside = 1e-30f;       // F that is inside; 0 is not, nor what devices may flush to it
+constexpr int halvings = 4;                  // of an edge, before its vertex is interpolated
 constexpr float least_along = 1.0f / 4096;   // of an edge, before and behind a vertex
 constexpr double most_reach_cells = 0x1p20;  // of vertices from the lattice's origin, for floats
 constexpr uint64_t triangles_of_cell = 6 * 2;
@@ -136,12 +137,11 @@ std::vector<LatticeBall> in_cells(std::span<const PosedBall> balls, const Metaba
 // What follows is the arithmetic of shaders/lib/metaballs.glsl: sums, differences and products, which every device
 // rounds alike, in the same order.
 
-float field_at(const std::vector<LatticeBall>& balls, std::span<const uint32_t> list, float threshold,
-               glm::ivec3 node) {
+float field_at(const std::vector<LatticeBall>& balls, std::span<const uint32_t> list, float threshold, glm::vec3 p) {
   float sum = 0;
   for (const uint32_t i : list) {
     const LatticeBall& b = balls[i];
-    const float x = float(node.x) - b.centre.x, y = float(node.y) - b.centre.y, z = float(node.z) - b.centre.z;
+    const float x = p.x - b.centre.x, y = p.y - b.centre.y, z = p.z - b.centre.z;
     const float u = 1.0f - (x * x + y * y + z * z) * b.inverse_square_radius;
     if (u > 0.0f) sum = sum + b.strength * (u * u * u);
   }
@@ -187,11 +187,13 @@ constexpr std::array<Cut, 16> cuts = {Cut{},
 class Block {
  public:
   Block(const PosedMetaballs& body, const std::vector<LatticeBall>& balls, const MetaballBlock& block)
-      : first_(block.first_cell), cell_m_(float(body.lattice.cell_m)) {
-    const std::span<const uint32_t> list(body.lattice.ball_lists.data() + block.first, block.count);
+      : balls_(balls),
+        list_(body.lattice.ball_lists.data() + block.first, block.count),
+        threshold_(float(body.threshold)),
+        first_(block.first_cell),
+        cell_m_(float(body.lattice.cell_m)) {
     for (int i = 0; i < nodes * nodes * nodes; ++i)
-      field_[size_t(i)] = field_at(balls, list, float(body.threshold),
-                                   first_ + glm::ivec3(i % nodes, i / nodes % nodes, i / (nodes * nodes)));
+      field_[size_t(i)] = field(glm::vec3(first_ + glm::ivec3(i % nodes, i / nodes % nodes, i / (nodes * nodes))));
   }
   // Calls with the three corners of each triangle, cells along x first.
   template <class Found>
@@ -202,6 +204,7 @@ class Block {
   }
 
  private:
+  float field(glm::vec3 p) const { return field_at(balls_, list_, threshold_, p); }
   static int place(glm::ivec3 node) { return node.x + nodes * (node.y + nodes * node.z); }
   static glm::ivec3 corner(int c) { return {c & 1, c >> 1 & 1, c >> 2}; }
 
@@ -223,16 +226,34 @@ class Block {
       }
     }
   }
-  // From the lower corner on: all of whom the edge is do so.
+  // A few halvings find kernels that end within the edge. From the lower corner on: all of whom the edge is do so.
   glm::vec3 vertex(glm::ivec3 at, int a, int b, const float* f) const {
-    const float down = f[a] - f[b];
-    float t = down < 0 ? -(f[a] * reciprocal(-down)) : f[a] * reciprocal(down);
-    t = std::min(std::max(t, least_along), 1.0f - least_along);
-    const glm::ivec3 from = first_ + at + corner(a), way = corner(b) - corner(a);
-    return {(float(from.x) + t * float(way.x)) * cell_m_, (float(from.y) + t * float(way.y)) * cell_m_,
-            (float(from.z) + t * float(way.z)) * cell_m_};
+    const glm::vec3 from(first_ + at + corner(a)), way(corner(b) - corner(a));
+    float low = f[a], high = f[b], begin = 0, width = 1;
+    const bool is_low_inside = low > least_inside;
+    for (int i = 0; i < halvings; ++i) {
+      width *= 0.5f;
+      const float there = field(along(from, begin + width, way));
+      if ((there > least_inside) == is_low_inside)
+        begin += width, low = there;
+      else
+        high = there;
+    }
+    const float down = low - high;
+    float s = low * reciprocal(std::abs(down));
+    if (down < 0) s = -s;
+    s = std::min(std::max(s, 0.0f), 1.0f);
+    const float t = std::min(std::max(begin + width * s, least_along), 1.0f - least_along);
+    const glm::vec3 p = along(from, t, way);
+    return {p.x * cell_m_, p.y * cell_m_, p.z * cell_m_};
+  }
+  static glm::vec3 along(glm::vec3 from, float t, glm::vec3 way) {
+    return {from.x + t * way.x, from.y + t * way.y, from.z + t * way.z};
   }
 
+  const std::vector<LatticeBall>& balls_;
+  std::span<const uint32_t> list_;
+  float threshold_;
   glm::ivec3 first_;
   float cell_m_;
   std::array<float, nodes * nodes * nodes> field_;

@@ -77,6 +77,7 @@ TEST_F(ReferenceParity, WholeScenesUnderOneLamp) {
 TEST_F(ReferenceParity, GeneratedScenes) {
   for (const std::string& name : scene_names()) {
     if (name == "primitive-modes") continue;
+    if (name == "metaballs") continue;  // polygons stand for the surface (reference_metaballs.cpp)
     const Job job = job_for(one_lamp(scene(name), Light::kept), width * 2, height * 2);
     const Pair pair = rendered(job, 4, 17.0 / 24);
     const size_t worst = pair.worst();

@@ -61,7 +61,7 @@ void add_metaballs(Recipes& all) {
   add(all, "single", "the largest strength and threshold in the file's range that leave a ball",
       {{{{0, 0, 0}, 0.6, 1e6}}, 3e5});
   // The field leaves 0 with its third power: a vertex may lie anywhere on its edge.
-  add(all, "threshold 0", "the surface of the supports", {two, 0, 0.005}, 5e-2, 8e-2);
+  add(all, "threshold 0", "the surface of the supports", {two, 0, 0.01}, 5e-2, 3e-2);
   add_alike(all, "threshold of all", "above every sum: nothing is there", of({two, 2}), nothing);
   add_alike(all, "no strength", "balls of strength 0", of({{{{0, 0, 0}, 0.6, 0}}}), nothing);
   add_alike(all, "negative", "nothing but strengths below 0", of({{{{0, 0, 0}, 0.6, -1}}, 0}), nothing);
@@ -71,8 +71,8 @@ void add_metaballs(Recipes& all) {
   add_alike(all, "cancelling", "two in one place whose strengths cancel", of({{{{0, 0, 0}}, {{0, 0, 0}, 0.6, -1}}}),
             nothing);
   add_alike(all, "cell of a room", "a cell larger than the ball, whose nodes lie outside it",
-            of({{{{0.5, 0.5, 0.5}, 0.4}}, 0.3, 1}), nothing);
-  add_alike(all, "tiny ball", "a ball of a millionth of the cell", of({{{{0.5, 0.5, 0.5}, 1e-6}}, 0.3, 1}), nothing);
+            of({{{{0.5, 0.5, 0.5}, 0.4}}, 0.3, 4}), nothing);
+  add_alike(all, "tiny ball", "a ball of a millionth of the cell", of({{{{0.5, 0.5, 0.5}, 4e-6}}, 0.3, 4}), nothing);
   add_alike(all, "around the camera", "the camera inside a single-sided ball sees through it",
             of({{{{0, 0, 0}, 2}}, 0.3, 0.1}, {0.5, 1.75, 4.5}), nothing);
   add(all, "around the camera, both sides", "the same, double sided: nothing else is seen",

@@ -125,7 +125,7 @@ TEST_F(ReferenceLayers, AgreeOnMotion) {
   std::set<std::string> moving_scenes;
   for (const std::string& name : scene_names()) {
     if (name == "primitive-modes") continue;  // lines and points, which rays do not meet
-    if (name == "metaballs") continue;  // polygons stand for the surface (reference_metaballs.cpp)
+    if (name == "metaballs") continue;        // polygons stand for the surface (reference_metaballs.cpp)
     SCOPED_TRACE(name);
     const LayerPair p = layers_of(job_for(scene(name), width * 2, height * 2), 17.0 / 24);
     const std::vector<float>&z = p.gpu.find("depth.Z")->f, &zr = p.reference.find("depth.Z")->f;

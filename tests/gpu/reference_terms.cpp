@@ -138,7 +138,7 @@ TEST_F(ReferenceTerms, AgreeOnAmbientLight) {
 TEST_F(ReferenceTerms, AgreeOnGeneratedScenes) {
   for (const std::string& name : scene_names()) {
     if (name == "primitive-modes") continue;  // lines and points, which rays do not meet
-    if (name == "metaballs") continue;  // polygons stand for the surface (reference_metaballs.cpp)
+    if (name == "metaballs") continue;        // polygons stand for the surface (reference_metaballs.cpp)
     Job job = job_for(one_lamp(scene(name), Light::kept), 2 * width, 2 * height);
     job.exr_float = true;
     for (const TermPair& p : terms_of(job, 4, 17.0 / 24)) {

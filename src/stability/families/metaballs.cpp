@@ -11,7 +11,7 @@ struct Ball {
 };
 struct Body {
   std::vector<Ball> balls;
-  double threshold = 0.3, cell = 0.015;
+  double threshold = 0.3, cell = 0.02;
   bool double_sided = false;
 };
 
@@ -33,7 +33,7 @@ void add_body(GlbWriter& out, const Body& body, glm::dvec3 at = {0, 0.7, 1.2}) {
 
 // Against the surface itself: polygons are off by the square of the cell, and at outlines a sample is on one side or
 // the other.
-void add(Recipes& all, std::string name, std::string what, const Body& body, double bound = 1e-2,
+void add(Recipes& all, std::string name, std::string what, const Body& body, double bound = 1e-3,
          double strays = 2e-2) {
   all.push_back({"metaballs", std::move(name), std::move(what), [=](StabilityInput& in) {
                    StabilityScene scene = filled(in, [&](GlbWriter& out) { add_body(out, body); });
@@ -61,7 +61,7 @@ void add_metaballs(Recipes& all) {
   add(all, "single", "the largest strength and threshold in the file's range that leave a ball",
       {{{{0, 0, 0}, 0.6, 1e6}}, 3e5});
   // The field leaves 0 with its third power: a vertex may lie anywhere on its edge.
-  add(all, "threshold 0", "the surface of the supports", {two, 0, 0.01}, 5e-2, 3e-2);
+  add(all, "threshold 0", "the surface of the supports", {two, 0, 0.01}, 2e-2, 3e-2);
   add_alike(all, "threshold of all", "above every sum: nothing is there", of({two, 2}), nothing);
   add_alike(all, "no strength", "balls of strength 0", of({{{{0, 0, 0}, 0.6, 0}}}), nothing);
   add_alike(all, "negative", "nothing but strengths below 0", of({{{{0, 0, 0}, 0.6, -1}}, 0}), nothing);

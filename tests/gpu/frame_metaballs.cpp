@@ -1,0 +1,140 @@
+// Bodies of metaballs in whole frames: every technique, beside instances that the device poses, from frame to frame.
+#include "frame_fixture.h"
+#include "instances_fixture.h"
+
+namespace candela::test::frame_metaballs {
+namespace {
+
+// A body of two balls of half a metre, `apart` from each other along x; the second drives over a metre in a second.
+// Returns its node.
+int add_body(GltfBuilder& b, int material, glm::dvec3 at, double apart = 0.5, double cell = 0.1) {
+  const int body = add_node(b, {{"translation", {at.x, at.y, at.z}}}), first = body + 1, second = body + 2;
+  b.json["nodes"].push_back({{"translation", {-apart / 2, 0, 0}}});
+  b.json["nodes"].push_back({{"translation", {apart / 2, 0, 0}}});
+  b.json["nodes"][size_t(body)]["children"] = {first, second};
+  b.json["nodes"][size_t(body)]["extensions"]["CANDELA_metaballs"] = {
+      {"threshold", 0.25},
+      {"radius", 0.5},
+      {"cell", cell},
+      {"material", material},
+      {"balls", {{{"node", first}}, {{"node", second}}}}};
+  b.use("CANDELA_metaballs", true);
+  const float x = float(apart / 2);
+  b.json["animations"].push_back(
+      {{"samplers",
+        {{{"input", b.accessor<float>("SCALAR", {0, 1})}, {"output", b.accessor<float>("VEC3", {x, 0, 0, x, 1, 0})}}}},
+       {"channels", {{{"sampler", 0}, {"target", {{"node", second}, {"path", "translation"}}}}}}});
+  return body;
+}
+
+GltfBuilder alone(const char* mode = "OPAQUE", bool lets_through = false) {
+  GltfBuilder b = empty_scene();
+  use_materials(b);
+  Json material = diffuse_material(0.7, 0.6, 0.3);
+  material["alphaMode"] = mode;
+  if (std::string(mode) == "BLEND") material["pbrMetallicRoughness"]["baseColorFactor"][3] = 0.5;
+  if (lets_through) {
+    b.use("KHR_materials_transmission");
+    material["extensions"]["KHR_materials_transmission"]["transmissionFactor"] = 0.7;
+  }
+  add_node(b, {{"mesh", add_square_mesh(b, 3, add_material(b, diffuse_material(0.3, 0.4, 0.5)))},
+               {"translation", {0, 0, -1.5}}});
+  add_body(b, add_material(b, material), {0, 0, 0});
+  add_light(b, {{"type", "point"}, {"intensity", 20}}, {{"translation", {1, 2, 3}}});
+  return b;
+}
+
+}  // namespace
+
+class FrameMetaballs : public FrameTest {
+ protected:
+  static Job job_of(const std::string& file) {
+    Job job = job_for(file, 48, 36);
+    look(job, {0, 0.3, 2.5}, {0, 0, 0}, 45);
+    return job;
+  }
+  static bool holds(const FrameResult& result, const std::string& what) {
+    return std::ranges::any_of(result.plan.resources,
+                               [&](const PlanResource& r) { return r.name().find(what) != std::string::npos; });
+  }
+};
+
+TEST_F(FrameMetaballs, AreTheSameInAllTechniques) {
+  Job job = job_of(write(alone()));
+  job.layers = {"depth", "normal", "object_id", "motion"};
+  std::optional<Images> first;
+  for (const char* technique : {"brute-force", "clustered", "deferred-tiled", "visibility", "ray"}) {
+    job.technique = technique;
+    const Images images = images_of(job, {}, 0.5);
+    if (!first) first = images;
+    for (const char* layer : {"depth", "normal", "object_id", "motion"})
+      EXPECT_TRUE(images[layer] == (*first)[layer]) << technique << " " << layer;
+  }
+  size_t seen = 0;
+  for (const uint32_t id : (*first)["object_id"].values<uint32_t>()) seen += id == 1;
+  EXPECT_GT(seen, 150u);
+}
+
+// Seen through, sorted and covering: no message of validation, and the body is there.
+TEST_F(FrameMetaballs, TakeAnyMaterial) {
+  for (const auto& [mode, lets_through] :
+       {std::pair("BLEND", false), std::pair("MASK", false), std::pair("OPAQUE", true)}) {
+    Job job = job_of(write(alone(mode, lets_through)));
+    const Images with = images_of(job, {}, 0.5);
+    job.effects = "none";
+    for (const float v : with["beauty"].values<float>()) ASSERT_TRUE(std::isfinite(v));
+    GltfBuilder bare = alone(mode, lets_through);
+    bare.json["nodes"][1]["extensions"]["CANDELA_metaballs"]["threshold"] = 3;
+    Job without = job_of(write(bare));
+    EXPECT_FALSE(with["beauty"] == images_of(without, {}, 0.5)["beauty"]) << mode << lets_through;
+  }
+}
+
+// The first item of a body stands somewhere in the order of drawing, among groups of instances that the device poses.
+TEST_F(FrameMetaballs, StandBesideInstancesThatTheDevicePoses) {
+  Crowd b({0, 0, 0}, 70);
+  add_body(b, 2, {0.3, 0.2, -2.2});
+  add_body(b, 1, {-0.6, -0.3, -3.2}, 0.2, 0.05);
+  Job job = job_for(write(b), 96, 64);
+  look(job, {0, 0, 0}, {0, 0, -1}, 60);
+  std::optional<Image> posed_by_host;
+  for (const char* enabled : {"0", "1"})
+    for (const char* technique : {"clustered", "visibility"}) {
+      job.technique = technique, job.settings = {{"pose_items", "enabled", enabled}};
+      const Images images = images_of(job, {}, 0.5);
+      if (std::string(technique) == "visibility") continue;  // no message of validation
+      if (!posed_by_host) posed_by_host = images["beauty"];
+      EXPECT_TRUE(images["beauty"] == *posed_by_host) << enabled;
+    }
+}
+
+TEST_F(FrameMetaballs, ScenesWithoutThemHoldNothingOfThem) {
+  const auto session = open(job_for(scene("skinned"), 32, 24));
+  const FrameResult result = render(*session);
+  EXPECT_FALSE(holds(result, "metaball"));
+  EXPECT_FALSE(holds(result, "posed.items"));
+  for (const PlanPass& pass : result.plan.passes) EXPECT_NE(pass.name, "metaballs");
+  // Nor frames in which no body has a surface.
+  GltfBuilder b = alone();
+  b.json["nodes"][1]["extensions"]["CANDELA_metaballs"]["threshold"] = 3;
+  const auto none = open(job_of(write(b)));
+  EXPECT_FALSE(holds(render(*none), "metaball"));
+}
+
+// Polygons of the frame, whatever frames were before it; and balls that move do not change the plan at every frame.
+TEST_F(FrameMetaballs, FramesDependOnTheirTimeAlone) {
+  const Job job = job_of(write(alone()));
+  const auto session = open(job);
+  std::set<std::string> plans;
+  std::vector<Image> pictures;
+  for (const double time_s : {0.0, 0.02, 0.04, 0.06, 0.08, 0.1}) {
+    const FrameResult result = render(*session, time_s);
+    plans.insert(result.plan_hash.hex());
+    pictures.push_back(images(result)["beauty"]);
+  }
+  EXPECT_LE(plans.size(), 2u);
+  EXPECT_TRUE(images_of(job, {}, 0.06)["beauty"] == pictures[3]);
+  EXPECT_FALSE(pictures[3] == pictures[4]);
+}
+
+}  // namespace candela::test::frame_metaballs

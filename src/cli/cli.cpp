@@ -151,6 +151,7 @@ int parse_and_run(CLI::App& app, int argc, char** argv) {
 
 void add_commands(CLI::App& app, Action& action) {
   add_render(app, action);
+  add_watch(app, action);
   add_sequence(app, action);
   add_farm(app, action);
   add_reference(app, action);

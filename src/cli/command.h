@@ -17,6 +17,7 @@ using Action = std::function<Expected<int>()>;
 
 // Each adds its subcommand, with all its options, to the parser, and sets `action` when that command is chosen.
 void add_render(CLI::App& app, Action& action);
+void add_watch(CLI::App& app, Action& action);
 void add_sequence(CLI::App& app, Action& action);
 void add_farm(CLI::App& app, Action& action);
 void add_reference(CLI::App& app, Action& action);

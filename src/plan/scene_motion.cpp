@@ -48,16 +48,21 @@ Expected<int> node_named(const Scene& scene, const std::string& name, const Aske
   return refuse(by, option, "{}", unknown_name("node", name, names));
 }
 
+// By the light's name, else by that of the node that carries it.
 Expected<int> node_of_light(const Scene& scene, const std::string& name, const Asker& by) {
   std::vector<std::string> names;
+  int of_node = -1;
   for (const int n : scene.order) {
     const Node& node = scene.nodes[size_t(n)];
     const int light = node.light >= 0 ? node.light : node.light_instances ? node.light_instances->light : -1;
     if (light < 0) continue;
-    if (scene.lights[size_t(light)].name == name) return n;
-    if (!scene.lights[size_t(light)].name.empty() && names.size() < 32)
-      names.push_back(scene.lights[size_t(light)].name);
+    const std::string& of_light = scene.lights[size_t(light)].name;
+    if (of_light == name) return n;
+    if (node.name == name && of_node < 0) of_node = n;
+    for (const std::string& known : {of_light, node.name})
+      if (!known.empty() && names.size() < 32) names.push_back(known);
   }
+  if (of_node >= 0) return of_node;
   return refuse(by, "--path", "{}", unknown_name("light", name, names));
 }
 

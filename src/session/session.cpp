@@ -6,7 +6,6 @@
 #include "base/file_uses.h"
 #include "base/files.h"
 #include "base/log.h"
-#include "base/statistics.h"
 #include "glsl/built_in_spirv.h"
 #include "gpu/device_select.h"
 #include "gpu/kept_image.h"
@@ -110,7 +109,7 @@ class DeviceSession : public Session {
   void take_run(gpu::FrameRun run, Begun& begun);
 
   Job asked_, job_;  // as it was given; with what was left to us chosen
-  std::string told_transparency_, told_sides_;
+  std::string told_technique_, told_transparency_, told_sides_;
   bool chose_transparency_ = false;  // the job left it to us: no frame is refused for its method's knobs
   WantedOutputs wanted_;
   RunSettings settings_;
@@ -205,7 +204,8 @@ Expected<void> DeviceSession::choose_by_device() {
   if (job_.technique == auto_technique) {
     const ChosenTechnique chosen = quickest_technique(device_->info().is_cpu, device_->info().int64_atomics);
     job_.technique = chosen.name;
-    log::info("technique auto: {}, because {}", chosen.name, chosen.why);
+    if (std::exchange(told_technique_, chosen.name) != chosen.name)
+      log::info("technique auto: {}, because {}", chosen.name, chosen.why);
   }
   if (job_.transparency == auto_transparency) {
     const auto limits = transparency_device(job_, *device_);
@@ -277,7 +277,7 @@ Expected<void> DeviceSession::set_settings(const Job& job) {
 }
 
 Expected<void> DeviceSession::choose_again() {
-  probes_drawn_ = false;
+  probes_drawn_ = false;  // they were of other settings or another look
   try {
     return choose_by_device();
   } catch (const gpu::GpuError& e) {

@@ -45,6 +45,7 @@ constexpr SceneEntry table[] = {
     {"foliage", "a crown of a thousand blended leaves", make_foliage, 0, false},
     {"hair", "a thousand strands over a head, one blended mesh", make_hair, 0, false},
     {"instanced", "a field of 500 instances of one mesh (EXT_mesh_gpu_instancing)", make_instanced},
+    {"lamp-paths", "coloured lamps, stones and a camera that files of paths and instances move", make_lamp_paths},
     {"light-field", "a few surfaces near and far under lights that are hard to bound, all from the seed",
      make_light_field, most_light_nodes},
     {"lights-stacked", "all lights over the same few tiles: along the view axis and in one place", make_lights_stacked,

@@ -50,6 +50,7 @@ void make_metaballs(GlbWriter& out, SceneOptions& options);
 void make_metaballs_glass(GlbWriter& out, SceneOptions& options);
 void make_cave(GlbWriter& out, SceneOptions& options);
 void make_room(GlbWriter& out, SceneOptions& options);
+void make_lamp_paths(GlbWriter& out, SceneOptions& options);
 void make_animated(GlbWriter& out, SceneOptions& options);
 
 void make_street(GlbWriter& out, SceneOptions& options);

@@ -86,6 +86,16 @@ bool killed(int process, int signal) {
 }
 }  // namespace
 
+int start_candela(std::vector<std::string> arguments, const std::string& out, const std::string& err) {
+  arguments.insert(arguments.begin(), CANDELA_PROGRAM);
+  const int to_out = open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  const int to_err = open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  const int process = spawn(arguments, to_out, to_err, "");
+  close(to_out);
+  close(to_err);
+  return process;
+}
+
 bool candela_killed_after(std::vector<std::string> arguments, int milliseconds, int signal) {
   const int process = started_in_silence(std::move(arguments));
   std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));

@@ -15,6 +15,8 @@ Ended run_program(std::vector<std::string> arguments, const std::string& folder 
 // The program under test.
 Ended candela(std::vector<std::string> arguments, const std::string& folder = {});
 
+// Starts it with its outputs in two files; the process.
+int start_candela(std::vector<std::string> arguments, const std::string& out, const std::string& err);
 // Starts it and kills it after the time given; true when it was killed before it ended.
 bool candela_killed_after(std::vector<std::string> arguments, int milliseconds, int signal);
 // The same once the file is there, however long that takes; false when it ended first.

@@ -277,7 +277,7 @@ Expected<void> DeviceSession::set_settings(const Job& job) {
 }
 
 Expected<void> DeviceSession::choose_again() {
-  probes_drawn_ = false;  // they were of other settings or another look
+  probes_drawn_ = false;
   try {
     return choose_by_device();
   } catch (const gpu::GpuError& e) {

@@ -17,6 +17,9 @@ void main() {
   const Geometry g = load_geometry(item.geometry);
   gl_Position = clip_position(relative_position(item, g, gl_VertexIndex));
   gl_PointSize = 1.0;
+#ifdef RELIEF
+  out_material = uint(gl_InstanceIndex);  // the item: relief_depth.frag, relief_view.frag
+#endif
   if (IS_MASKED != 0) {
     const uint v = gl_VertexIndex;
     out_material = item.material;

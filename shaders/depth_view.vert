@@ -17,19 +17,29 @@ layout(location = 0) out flat uint out_material;
 layout(location = 1) centroid out vec2 out_uv0;
 layout(location = 2) centroid out vec2 out_uv1;
 layout(location = 3) centroid out vec4 out_color;
+#ifdef RELIEF
+layout(location = 4) out vec3 out_position;
+#endif
 
 void main() {
   const Item item = load_item(gl_InstanceIndex);
   const Geometry g = load_geometry(item.geometry);
 #ifdef LAMPS
   gl_Layer = int(pc.layer);
-  gl_Position =
-      lamp_clip(pc.clip_from_relative, position_about(pc.origin, pc.origin_rest, item, g, gl_VertexIndex));
+  const vec3 position = position_about(pc.origin, pc.origin_rest, item, g, gl_VertexIndex);
+  gl_Position = lamp_clip(pc.clip_from_relative, position);
 #else
-  gl_Position = pc.clip_from_relative * vec4(relative_position(item, g, gl_VertexIndex), 1.0);
+  const vec3 position = relative_position(item, g, gl_VertexIndex);
+  gl_Position = pc.clip_from_relative * vec4(position, 1.0);
   // What lies before the near plane is flattened onto it. Not where the view is perspective: triangles that cross the
   // plane of the eye would be bent; such a view begins so near that nothing lies before it (shared/shadows.h).
   if (pc.flattens != 0u) gl_Position.z = min(gl_Position.z, gl_Position.w);
+#endif
+#ifdef RELIEF
+  out_material = uint(gl_InstanceIndex);  // the item: relief_depth.frag, relief_view.frag
+#endif
+#ifdef RELIEF
+  out_position = position;
 #endif
   if (IS_MASKED != 0) {
     const uint v = gl_VertexIndex;

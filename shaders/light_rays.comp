@@ -81,11 +81,21 @@ void main() {
         const Corners corners = load_corners(frame.indices, item, g,
             batch.first_triangle + triangle % triangle_batch_size);
         const ViewRay ray = view_ray(vec2(pixel) + place);
-        const TrianglePoint p = meet_triangle(corners, ray);
+        TrianglePoint p = meet_triangle(corners, ray);
         const vec3 to_viewer =
             frame.perspective != 0u ? normalize(-view_ray(pixel_middle).direction) : frame.camera_back;
         position = p.position;
-        begin_rays(position, normalize_or(dot(p.plane, ray.direction) < 0.0 ? p.plane : -p.plane, to_viewer));
+        const bool counter_clockwise = dot(p.plane, ray.direction) < 0.0;
+        vec3 normal = normalize_or(counter_clockwise ? p.plane : -p.plane, to_viewer);
+#ifdef RELIEFS
+        ReliefPoint relief;
+        if ((batch.flags & batch_relief) != 0u &&
+            meet_relief(item, g, corners, load_material(item.material), ray, p, relief)) {
+          position = p.position;
+          normal = counter_clockwise != ((batch.flags & batch_mirrored) != 0u) ? relief.front : -relief.front;
+        }
+#endif
+        begin_rays(position, normal);
       }
     }
     const vec3 side = rays_side;

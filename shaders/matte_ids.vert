@@ -9,11 +9,17 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 
 invariant gl_Position;
 layout(location = 0) out flat float out_id;
+#ifdef RELIEF
+layout(location = 10) out flat uint out_item;
+#endif
 
 void main() {
   const Item item = load_item(gl_InstanceIndex);
   gl_Position = clip_position(relative_position(item, load_geometry(item.geometry), gl_VertexIndex));
   gl_PointSize = 1.0;
+#ifdef RELIEF
+  out_item = uint(gl_InstanceIndex);
+#endif
 #ifdef MATERIALS
   const uint place = item.material;
 #else

@@ -42,6 +42,13 @@ bool find_tile(uint64_t number, uint triangles, out Tile tile) {
   return all(greaterThan(e.c + side * i64vec3(max(e.a, 0) + max(e.b, 0)), i64vec3(0)));
 }
 
+// Of a triangle's pixels something is asked that one sample does not know.
+#ifdef RELIEFS
+const bool ASKS_PIXELS = true;
+#else
+const bool ASKS_PIXELS = HAS_MASKS != 0;
+#endif
+
 void main() {
   const LargeCount large = large_count();
   const uint64_t first = (uint64_t(gl_WorkGroupID.y) * gl_NumWorkGroups.x + gl_WorkGroupID.x) * raster_chunk;
@@ -58,13 +65,13 @@ void main() {
     begin_view(tile.view);
     Triangle t;
     t.number = tile.triangle;
-    if (HAS_MASKS != 0) {
+    if (ASKS_PIXELS) {
       const TriangleBatch b = BatchesRef(pc.batches).b[tile.triangle / triangle_batch_size];
       t = load_triangle(b, load_item(b.item), tile.triangle);
     }
     const TileEdges e = tile_edges(tile.piece, tile.corner_px << 8);
     const uint side = raster_tile_px;
-    if (HAS_MASKS != 0) {
+    if (ASKS_PIXELS) {
       for (uint j = thread; j < side * side; j += gl_WorkGroupSize.x) {
         const ivec2 inside = ivec2(j % side, j / side), pixel = tile.corner_px + inside;
         if (any(greaterThan(pixel, tile.at.high)) || any(lessThan(pixel, tile.at.low))) continue;

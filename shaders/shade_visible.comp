@@ -30,9 +30,20 @@ vec4 shade_triangle(uint triangle, vec2 place) {
   const Corners corners =
       load_corners(frame.indices, item, g, batch.first_triangle + triangle % triangle_batch_size);
   const ViewRay ray = view_ray(place);
-  const TrianglePoint p = meet_triangle(corners, ray);
+  TrianglePoint p = meet_triangle(corners, ray);
   const Material m = load_material(item.material);
+#ifdef RELIEFS
+  ReliefPoint relief;
+  const bool on_relief =
+      (batch.flags & batch_relief) != 0u && meet_relief(item, g, corners, m, ray, p, relief);
+  Varyings v;
+  if (on_relief)
+    v = relief_varyings(item, g, corners, p, relief);
+  else
+    v = lit_varyings(item, g, corners, p);
+#else
   const Varyings v = lit_varyings(item, g, corners, p);
+#endif
 #ifdef FOG
   const FogSeen fog = fog_before(p.position);
 #endif
@@ -48,6 +59,9 @@ vec4 shade_triangle(uint triangle, vec2 place) {
     vec3 plane_normal = vec3(0.0);
     if (HAS_SHADOWS || HAS_OCCLUSION != 0)
       plane_normal = normalize_or(counter_clockwise ? p.plane : -p.plane, to_viewer);
+#ifdef RELIEFS
+    if (on_relief) plane_normal = is_front ? relief.front : -relief.front;
+#endif
     begin_rays(p.position, plane_normal);
     radiance = surface_radiance(s, brdf_terms(s, to_viewer), p.position, p.position, plane_normal);
   }

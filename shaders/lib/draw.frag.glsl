@@ -14,6 +14,31 @@ layout(location = 11) in flat float in_scale;
 layout(location = 10) in flat uint in_item;
 #endif
 
+#ifdef RELIEF
+// The triangle itself, as compute passes take it, and what the pixel's ray meets of its relief.
+layout(location = 10) in flat uint in_item;
+#include "lib/vertex_position.glsl"
+#include "lib/vertex_attributes.glsl"
+#include "lib/relief_fragment.glsl"
+ReliefPoint relief_point;
+Varyings load_varyings() {
+  pixel_middle = gl_FragCoord.xy;
+  const Item item = load_item(in_item);
+  const Geometry g = load_geometry(item.geometry);
+  const Corners corners = load_corners(frame.indices, item, g, uint(gl_PrimitiveID));
+  const ViewRay ray = view_ray(relief_pixel());
+  relief_at = meet_triangle(corners, ray);
+  if (!meet_relief(item, g, corners, load_material(item.material), ray, relief_at, relief_point)) discard;
+  put_relief_depth(corners, relief_at.position);
+  return relief_varyings(item, g, corners, relief_at, relief_point);
+}
+// As lib/plane.glsl has it: of the relief.
+vec3 triangle_normal(vec3 position, vec3 to_viewer) {
+  const vec3 n = normalize_or(relief_point.front, to_viewer);
+  return gl_FrontFacing ? n : -n;
+}
+#define in_plane_position relief_at.position
+#else
 Varyings load_varyings() {
   Varyings v;
   v.relative_position = in_position;
@@ -27,4 +52,5 @@ Varyings load_varyings() {
 #endif
   return v;
 }
+#endif
 #include "lib/view_ray.glsl"

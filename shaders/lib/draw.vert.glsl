@@ -21,7 +21,7 @@ layout(location = 9) out vec3 out_before;
 #include "lib/volume_scale.glsl"
 layout(location = 11) out flat float out_scale;  // world metres to one of the mesh: the cube root of the volume's
 #endif
-#ifdef STORED
+#if defined(STORED) || defined(RELIEF)
 layout(location = 10) out flat uint out_item;  // of the frame, in the order of drawing
 #endif
 
@@ -30,7 +30,7 @@ void main() {
   const Item item = load_item(gl_InstanceIndex);
   const Geometry g = load_geometry(item.geometry);
   const Transform t = TransformsRef(frame.transforms).t[item.transform];
-#ifdef STORED
+#if defined(STORED) || defined(RELIEF)
   out_item = uint(gl_InstanceIndex);
 #endif
   out_ids = uvec2(item.material, item.object_id);

@@ -14,6 +14,9 @@ layout(push_constant, scalar) uniform Push { RasterizePush pc; };
 #include "lib/triangle.glsl"
 #include "lib/rasterize.glsl"
 #include "lib/sample_places.glsl"
+#if defined(RELIEFS) && defined(VIEWS)
+#include "lib/relief_view.glsl"
+#endif
 layout(constant_id = 30) const int SAMPLES = 1;
 layout(constant_id = 31) const int HAS_MASKS = 0;
 layout(constant_id = 32) const int MASKS_BY_SAMPLE = 0;
@@ -121,8 +124,7 @@ uint without_holes(Triangle t, ivec2 pixel, uint covered) {
   return in_hole(t, vec2(pixel) + place) ? 0u : covered;
 }
 
-void put_sample(Piece piece, uint number, ivec2 pixel, int sample_number) {
-  const uint depth = piece_depth(piece, (pixel << 8) + sample_place(sample_number));
+void put_sample_at(uint depth, uint number, ivec2 pixel, int sample_number) {
 #ifdef VIEWS
   const uvec2 texel = raster_view.origin_px + uvec2(pixel);
   const uint at = (raster_view.layer * pc.image_px + texel.y) * pc.image_px + texel.x;
@@ -133,8 +135,52 @@ void put_sample(Piece piece, uint number, ivec2 pixel, int sample_number) {
   atomicMax(KeysRef(pc.keys).k[at], key);
 #endif
 }
+void put_sample(Piece piece, uint number, ivec2 pixel, int sample_number) {
+  put_sample_at(piece_depth(piece, (pixel << 8) + sample_place(sample_number)), number, pixel, sample_number);
+}
+#ifdef RELIEFS
+// Of the relief below a place of the triangle; false: what is seen there passes it by.
+bool relief_clip(Triangle t, vec2 place, out vec4 clip) {
+  const Material m = load_material(t.item.material);
+  TrianglePoint p = point_at(t, place);
+#ifdef VIEWS
+  const Relief r = triangle_relief(t.item, t.geometry, t.corners.v, t.corners.p, m);
+  const vec3 entry = t.corners.p[0] + p.weights.y * r.e1 + p.weights.z * r.e2;
+#ifdef LAMPS
+  const vec3 direction = entry;
+#else
+  const vec3 direction = relief_view_direction(raster_view.clip_from_relative, entry);
+#endif
+  if (!meet_relief_view(r, entry, direction, p.position)) return false;
+#else
+  if (!meet_relief_depth(t.item, t.geometry, t.corners, m, view_ray(place), p)) return false;
+#endif
+  clip = raster_position(p.position);
+  return true;
+}
+void put_relief(Triangle t, ivec2 pixel, uint covered) {
+  vec2 place = vec2(0.5);
+  if (covered != all_samples) {
+    place = vec2(0.0);
+    for (int s = 0; s < SAMPLES; ++s)
+      if ((covered >> s & 1u) != 0u) place += sample_place_px(SAMPLES, uint(s));
+    place /= float(bitCount(covered));
+  }
+  vec4 clip;
+  if (!relief_clip(t, vec2(pixel) + place, clip)) return;
+  const uint depth = floatBitsToUint(clamp(clip.z / clip.w, 1e-37, 1.0));
+  for (int s = 0; s < SAMPLES; ++s)
+    if ((covered >> s & 1u) != 0u) put_sample_at(depth, t.number, pixel, s);
+}
+#endif
 void put_pixel(Triangle t, Piece piece, ivec2 pixel, uint covered) {
   if (covered == 0u) return;
+#ifdef RELIEFS
+  if ((t.batch.flags & batch_relief) != 0u) {
+    put_relief(t, pixel, covered);
+    return;
+  }
+#endif
   if (HAS_MASKS != 0 && (t.batch.flags & batch_masked) != 0u) covered = without_holes(t, pixel, covered);
   for (int s = 0; s < SAMPLES; ++s)
     if ((covered >> s & 1u) != 0u) put_sample(piece, t.number, pixel, s);

@@ -3,6 +3,9 @@
 #include "lib/frame.glsl"
 
 // The middle of the pixel that is shaded.
+#ifdef RELIEF  // a fragment that takes its triangle's corners
+#define TRIANGLES
+#endif
 #ifdef TRIANGLES
 vec2 pixel_middle;
 #define PIXEL_MIDDLE pixel_middle

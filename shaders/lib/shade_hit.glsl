@@ -25,12 +25,25 @@ HitPoint hit_point(TraceHit hit, TraceRay along, float pixel_m, float cone) {
   const mat3 axes = axes_about(along.direction);
   // Slopes are those of a camera there: what a pixel is wide at 1 m, or, without perspective, anywhere.
   const float width = frame.perspective != 0u ? width_m / max(hit.t, 1e-30) : width_m;
-  const TrianglePoint p =
+  TrianglePoint p =
       meet_triangle(corners, ViewRay(along.origin, along.direction, width * axes[0], width * axes[1]));
   HitPoint h;
   h.material = item.material;
   h.m = load_material(item.material);
+#ifdef RELIEFS
+  if (h.m.relief_depth > 0.0) {
+    // The ray knows where it met the relief.
+    const Relief r = triangle_relief(item, g, corners.v, corners.p, h.m);
+    const vec2 at = vec2(hit.u, hit.v);
+    const float depth = hit.back != 0u ? 1.0 : relief_height(r, at);
+    put_relief_place(r, vec3(at, depth), p);
+    h.v = relief_varyings(item, g, corners, p, relief_point_at(r, h.m, at, depth, 0.0, hit.back != 0u));
+  } else {
+    h.v = lit_varyings(item, g, corners, p);
+  }
+#else
   h.v = lit_varyings(item, g, corners, p);
+#endif
   h.to_viewer = -along.direction;
   h.is_unlit = (h.m.flags & material_unlit) != 0u || g.normal == absent;
   const float turned = max(length(h.v.normal_across), length(h.v.normal_down));

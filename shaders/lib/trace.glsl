@@ -146,6 +146,12 @@ float trace_coverage(TraceScene s, TraceItem item, uint primitive, float u, floa
   return alpha < materials.m[item.material].alpha_cutoff ? 0.0 : 1.0;
 }
 
+// A point of a triangle, with what is needed to leave it.
+struct TracePoint {
+  vec3 position, normal;  // relative; the normal is unit, towards the glTF front; 0 for a degenerate triangle
+  float error_m;          // a ray that begins this far off along the normal does not meet the triangle again
+};
+
 bool trace_on_edge(TraceHit h) { return min(min(h.u, h.v), 1.0 - h.u - h.v) < 1e-5; }
 
 // A ray along the edge that two triangles of an item share meets both, and is covered but once.
@@ -163,6 +169,9 @@ struct TraceState {
   TraceHit best;
   bool found;
 };
+#ifdef RELIEFS
+#include "lib/trace_relief.glsl"
+#endif
 
 // Whether a triangle that the ray meets at h is there for it. asked: whether its item may have something against it.
 bool trace_counts(TraceScene s, TraceHit h, bool asked, uint mode, TraceHit passed) {
@@ -275,6 +284,9 @@ bool trace_place(TraceScene s, uint place, TraceTriangle triangle, uint instance
   h.item = item & ~trace_asked;
   const bool asked = (item & trace_asked) != 0u;
   if (instance == no_trace && asked && (trace_item(s, h.item).flags & trace_mirrored) != 0u) h.back ^= 1u;
+#ifdef RELIEFS
+  if (asked && !trace_on_relief(s, triangle, f, state, h)) return false;
+#endif
   return trace_accept(s, h, asked, mode, passed, state);
 }
 
@@ -424,12 +436,6 @@ bool trace(TraceRay ray, uint mode, TraceHit passed, out TraceHit hit) {
 }
 #endif
 
-// A point of a triangle, with what is needed to leave it.
-struct TracePoint {
-  vec3 position, normal;  // relative; the normal is unit, towards the glTF front; 0 for a degenerate triangle
-  float error_m;          // a ray that begins this far off along the normal does not meet the triangle again
-};
-
 float trace_largest(vec3 v) { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
 
 // From the space of the trees into relative space.
@@ -464,8 +470,14 @@ TracePoint trace_point(TraceHit h) {
   const vec3 scaled = n / max(largest, 1e-37);
   const float size = length(scaled);
   point.normal = largest > 0.0 ? scaled / size * ((item.flags & trace_mirrored) != 0u ? -1.0 : 1.0) : vec3(0.0);
+#ifdef RELIEFS
+  const float relief_error_m = put_on_relief(s, item, triangle, h, p[0], e0, e1, point);
+#endif
   if (h.instance == no_trace) {
     point.error_m = triangle.error_m;
+#ifdef RELIEFS
+    point.error_m += relief_error_m;
+#endif
     point.position = trace_out(point.position);
     return point;
   }
@@ -474,6 +486,9 @@ TracePoint trace_point(TraceHit h) {
   const float thinness = largest > 0.0 ? min(longest2 / (largest * size), 1000.0) : 1000.0;
   point.position = trace_out(point.position);
   point.error_m = (16.0 * reach + 4.0 * (sqrt(longest2) * thinness)) * 5.9604645e-8;
+#ifdef RELIEFS
+  point.error_m += relief_error_m;
+#endif
   return point;
 }
 

@@ -29,6 +29,13 @@ TraceHit trace_named(TraceScene s, TraceRay ray, uint number, uint primitive, Tr
   if (g.instance == no_trace || trace_enter(trace_instance(s, g.instance), ray, f))
     trace_test(trace_triangle(s, h.place), f, any, h);
   if (g.instance == no_trace && (trace_item(s, g.item).flags & trace_mirrored) != 0u) h.back ^= 1u;
+#ifdef RELIEFS
+  const TraceItem relief = trace_item(s, g.item);
+  // None: a t outside of every ray's limits.
+  if ((relief.flags & trace_relief_bit) != 0u &&
+      !trace_relief(s, relief, trace_triangle(s, h.place), 1.0 / f.inverse, ray.t_min, ray.t_max, h))
+    h.t = -TRACE_FAR;
+#endif
   return h;
 }
 
@@ -84,13 +91,26 @@ void trace_search(TraceScene s, TraceRay ray, uint mode, TraceHit passed, inout 
   while (rayQueryProceedEXT(query)) {
     const TraceHit h = TRACE_QUERIED(query, false);
     if (!(h.t >= state.t_min && h.t <= state.t_max)) continue;
+#ifdef RELIEFS
+    // What lies elsewhere than the device has it is not the device's to order.
+    if ((trace_item(s, h.item).flags & trace_relief_bit) != 0u) {
+      if (trace_accept(s, h, true, mode, passed, state)) return;
+      continue;
+    }
+#endif
     if ((mode & TRACE_LOCATE) != 0u)
       trace_accept(s, h, true, mode, passed, state);
     else if (trace_counts(s, h, true, mode, passed))
       rayQueryConfirmIntersectionEXT(query);
   }
   if (rayQueryGetIntersectionTypeEXT(query, true) == gl_RayQueryCommittedIntersectionNoneEXT) return;
+#ifdef RELIEFS
+  const TraceHit nearest = TRACE_QUERIED(query, true);
+  if (state.found && state.best.t <= nearest.t) return;
+  state.best = nearest;
+#else
   state.best = TRACE_QUERIED(query, true);
+#endif
   state.found = true;
 }
 #endif

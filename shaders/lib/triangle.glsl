@@ -89,6 +89,10 @@ Varyings no_varyings() {
   v.color = vec4(1.0);
   return v;
 }
+#ifdef RELIEFS
+#include "lib/relief.glsl"
+#include "lib/relief_triangle.glsl"
+#endif
 #ifdef SCATTERS
 #include "lib/volume_scale.glsl"
 #endif
@@ -109,3 +113,19 @@ Varyings lit_varyings(Item item, Geometry g, Corners c, TrianglePoint p) {
         p.weights.z * vertex_tangent(g, t, c.v.z);
   return v;
 }
+
+#ifdef RELIEFS
+// Of a point of a relief: its weights may be those of a place beside the triangle, where textures go on, and what else
+// the corners have ends at the edge.
+Varyings relief_varyings(Item item, Geometry g, Corners c, TrianglePoint p, ReliefPoint point) {
+  TrianglePoint inside = p;
+  inside.weights = max(p.weights, vec3(0.0));
+  inside.weights /= inside.weights.x + inside.weights.y + inside.weights.z;
+  Varyings v = lit_varyings(item, g, c, inside);
+  const vec4 color = v.color;
+  put_base_varyings(g, c, p, v);
+  v.color = color;
+  v.normal += point.lean;
+  return v;
+}
+#endif

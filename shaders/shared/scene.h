@@ -46,7 +46,8 @@ struct Item {
 struct TextureRef {
   uint texture;  // bindless index, or absent
   uint sampler_index;
-  uint uv_set, unused;
+  uint uv_set;
+  uint wraps;         // of a relief: wrap_... of u, and of v two bits above; else 0
   vec3 u_row, v_row;  // uv' = (dot(u_row, (uv,1)), dot(v_row, (uv,1)))
 };
 
@@ -61,9 +62,9 @@ struct Material {
   uint flags;
   uint id;  // glTF material index, absent for the default material
   vec3 specular_color;
-  float unused;
+  float relief_depth;  // in the mesh's space; 0: no relief
   TextureRef base_texture, orm_texture, occlusion_texture, normal_texture, emissive_texture, specular_texture,
-      specular_color_texture;
+      specular_color_texture, relief_texture;
 };
 
 // A punctual light in relative space. Spot factor (KHR_lights_punctual): saturate(spot_offset - e2 * spot_scale)^2,
@@ -125,11 +126,13 @@ enum : uint {
   material_blended = 32u,
   material_blinn_phong = 64u,        // Blinn's lobe instead of facets
   material_exponent_texture = 128u,  // the specular texture's A is of its exponent
+  material_relief_ends = 256u,       // the relief ends where the section's texture coordinates do
 };
+enum : uint { wrap_repeat = 0, wrap_clamp = 1, wrap_mirror = 2 };
 enum : uint { light_directional = 0, light_point = 1, light_spot = 2, light_stand_in = 3 };
 static_assert(sizeof(Transform) == 48 && sizeof(Place) == 24 && sizeof(Geometry) == 28 && sizeof(Item) == 48 &&
               sizeof(TextureRef) == 40);
-static_assert(sizeof(Material) == 80 + 7 * 40 && offsetof(Material, base_texture) == 80);
+static_assert(sizeof(Material) == 80 + 8 * 40 && offsetof(Material, base_texture) == 80);
 static_assert(sizeof(Light) == 64 && offsetof(Light, direction) == 16 && offsetof(Light, spot_scale) == 32 &&
               offsetof(Light, intensity) == 40);
 static_assert(offsetof(FrameConstants, pre_exposure) == 424 && offsetof(FrameConstants, grid) == 432 &&
@@ -141,7 +144,8 @@ static_assert(offsetof(FrameConstants, pre_exposure) == 424 && offsetof(FrameCon
 const uint geometry_deformed = 1u;
 const uint material_masked = 1u, material_double_sided = 2u, material_unlit = 4u, material_orm_occlusion = 8u,
            material_orm_metallic_roughness = 16u, material_blended = 32u, material_blinn_phong = 64u,
-           material_exponent_texture = 128u;
+           material_exponent_texture = 128u, material_relief_ends = 256u;
+const uint wrap_repeat = 0u, wrap_clamp = 1u, wrap_mirror = 2u;
 const uint light_directional = 0u, light_point = 1u, light_spot = 2u, light_stand_in = 3u;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer WordsRef { uint w[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer FloatsRef { float f[]; };

@@ -83,7 +83,7 @@ SHARED_END
 
 #ifdef __cplusplus
 namespace candela::shared {
-enum : uint { batch_cull_back = 1u, batch_mirrored = 2u, batch_masked = 4u, batch_unlit = 8u };
+enum : uint { batch_cull_back = 1u, batch_mirrored = 2u, batch_masked = 4u, batch_unlit = 8u, batch_relief = 16u };
 inline constexpr uint triangle_batch_size = 64, raster_tile_px = 16, raster_chunk = 8;
 // Batches that a workgroup looks at, of one of many views, most of which hold little; of few views, one.
 inline constexpr uint raster_view_batches = 8, raster_many_views = 64;
@@ -92,7 +92,7 @@ inline constexpr uint depth_tile_px = 16;
 static_assert(sizeof(TriangleBatch) == 16 && sizeof(LargeTriangle) == 56 && sizeof(RasterizePush) == 104);
 }  // namespace candela::shared
 #else
-const uint batch_cull_back = 1u, batch_mirrored = 2u, batch_masked = 4u, batch_unlit = 8u;
+const uint batch_cull_back = 1u, batch_mirrored = 2u, batch_masked = 4u, batch_unlit = 8u, batch_relief = 16u;
 const uint triangle_batch_size = 64u, raster_tile_px = 16u, raster_chunk = 8u;
 const uint raster_view_batches = 8u, raster_many_views = 64u;
 const int raster_most_small_px = 64;

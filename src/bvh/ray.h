@@ -7,6 +7,8 @@
 
 namespace candela {
 
+inline constexpr uint32_t no_relief = 0xffffffffu;  // of items
+
 // A ray in relative space (world axes, origin at the camera). The direction need not be of unit length; t counts in its
 // length, so a point is origin + t * direction.
 struct Ray {
@@ -14,11 +16,15 @@ struct Ray {
   float t_min = 0;
   glm::vec3 direction{0, 0, -1};
   float t_max = std::numeric_limits<float>::infinity();
+  // Of a ray that begins on a relief: the triangle below which it does.
+  uint32_t relief_item = no_relief, relief_primitive = 0;
 };
 
 struct Hit {
   float t = std::numeric_limits<float>::infinity();
-  float u = 0, v = 0;      // weights of the triangle's second and third corner; the first has 1 - u - v
+  // Weights of the triangle's second and third corner; the first has 1 - u - v. Of a relief those of the triangle's
+  // point above, which may lie beside the triangle.
+  float u = 0, v = 0;
   uint32_t item = 0;       // into FrameData::items
   uint32_t primitive = 0;  // triangle of the item's section: its corners are section.index[3 * primitive + 0, 1, 2]
   bool back = false;       // the ray meets the side that glTF calls the back (mirrored items turned over already)

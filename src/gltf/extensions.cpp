@@ -22,6 +22,7 @@ constexpr Known known_extensions[] = {
     {"CANDELA_light_size", supported, ""},
     {"CANDELA_materials_blinn_phong", supported, ""},
     {"CANDELA_metaballs", supported, ""},
+    {"CANDELA_relief", supported, ""},
     {"KHR_mesh_quantization", supported, ""},
     {"KHR_draco_mesh_compression", supported, ""},
     {"EXT_meshopt_compression", supported, ""},

@@ -223,6 +223,28 @@ struct Importer {
     leave_base(material);
   }
 
+  // CANDELA_relief (docs/relief.md). Heights are bilinear whatever filter the sampler has.
+  void read_relief(const Json& json, const std::string& path, Material& material) {
+    const Json* e = extension(json, "CANDELA_relief");
+    if (!e) return;
+    const std::string where = path + "/extensions/CANDELA_relief";
+    const bool opaque = material.alpha_mode == AlphaMode::opaque && material.transmission == 0 &&
+                        !extension(json, "KHR_materials_transmission");
+    if (!opaque) {
+      document.warn(where, "is of opaque materials: one with alpha or transmission is drawn flat");
+      return;
+    }
+    material.relief.depth = factor(document, *e, "depth", 0, no_limit, where);
+    material.relief.silhouettes = boolean(document, *e, "silhouettes", true, where);
+    material.relief.texture = slot(*e, "heightTexture", where);
+    if (!material.relief.texture) return;
+    Sampler sampler = scene.samplers[size_t(material.relief.texture.sampler)];
+    sampler.mag = sampler.min = sampler.mip = Filter::linear;
+    const auto known = std::ranges::find(scene.samplers, sampler);
+    material.relief.texture.sampler = int(known - scene.samplers.begin());
+    if (known == scene.samplers.end()) scene.samplers.push_back(sampler);
+  }
+
   // Of the draft (KhronosGroup/glTF, pull request 2453), in which the colour's name has changed.
   void read_scattering(const Json& json, const std::string& path, Material& material) {
     const Json* e = extension(json, "KHR_materials_volume_scatter");
@@ -311,6 +333,7 @@ struct Importer {
       read_specular_glossiness(*gloss, path, material);
     }
     read_blinn_phong(json, path, material);
+    read_relief(json, path, material);
     return material;
   }
 };
@@ -324,7 +347,7 @@ namespace {
 void choose_uv_sets(Document& document, int index, Material& material) {
   std::vector<int> sets;
   const auto each_slot = [&](const std::function<void(TextureSlot&)>& f) {
-    for (int k = 0; k <= int(TextureSlotName::diffuse_transmission_color); ++k)
+    for (int k = 0; k <= int(TextureSlotName::relief); ++k)
       if (TextureSlot& slot = texture_slot(material, TextureSlotName(k))) f(slot);
   };
   each_slot([&](const TextureSlot& slot) {

@@ -38,10 +38,23 @@ void add_mask(const Material& m, Bytes& out) {
   out.add(slot.rotation_rad);
 }
 
+void add_relief(const Material& m, Bytes& out) {
+  out.add(m.relief.depth);
+  out.add(uint32_t(m.relief.silhouettes));
+  const TextureSlot& slot = m.relief.texture;
+  out.add(slot.image);
+  out.add(slot.sampler);
+  out.add(slot.uv_set);
+  out.add(slot.offset);
+  out.add(slot.scale);
+  out.add(slot.rotation_rad);
+}
+
 void add_material(const Pose& pose, uint32_t index, const DrawBatch& run, Bytes& out) {
   const Material material = index < pose.materials.size() ? pose.materials[index] : Material{};
   out.add(uint32_t(glows_all_over(material)));
   if (run.alpha == AlphaMode::mask) add_mask(material, out);
+  if (run.relief) add_relief(material, out);
 }
 
 // What is said of all that a run draws.
@@ -133,7 +146,7 @@ CasterHashes caster_hashes(const FrameData& data, const DrawList& draws, const F
 }
 
 std::optional<Hash128> caster_hash(const DrawList& draws, const FrameUpload& upload, const Pose& pose,
-                                   const TextureKnobs& textures) {
+                                   const TextureKnobs& textures, const ReliefKnobs& relief) {
   Bytes out;
   bool deformed = false;
   // Of instances that a pass poses, where their node is and which they are.
@@ -157,6 +170,9 @@ std::optional<Hash128> caster_hash(const DrawList& draws, const FrameUpload& upl
   });
   if (deformed) return std::nullopt;
   for (const Knob& row : TextureKnobs::table()) out.add(row.value(&textures));
+  const bool any_relief = std::ranges::any_of(draws.batches, &DrawBatch::relief);
+  for (const Knob& row : ReliefKnobs::table())
+    if (any_relief) out.add(row.value(&relief));
   return out.hash();
 }
 

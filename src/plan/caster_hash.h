@@ -5,6 +5,7 @@
 
 #include "base/hash.h"
 #include "passes/shared/views.h"
+#include "passes/surfaces/relief_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 #include "plan/frame_upload.h"
 #include "scene/pose.h"
@@ -16,7 +17,7 @@ namespace candela {
 // frame. What neither casts nor masks (blended surfaces, colours) is not in it. Transforms are relative to the camera,
 // so a camera that moves changes it.
 std::optional<Hash128> caster_hash(const DrawList& draws, const FrameUpload& upload, const Pose& pose,
-                                   const TextureKnobs& textures);
+                                   const TextureKnobs& textures, const ReliefKnobs& relief = {});
 
 // A hash of what decides the depth of one thing that casts shadows, as seen from a place in the world: the same
 // wherever the camera is. Sums tell sets of things apart, in any order.

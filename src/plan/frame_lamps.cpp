@@ -132,6 +132,7 @@ std::optional<Hash128> map_key(const Lamp& lamp, int face, uint32_t size_px, con
   std::string all = lamp_face_key(lamp, face, size_px).hex();
   all += fmt::format(" {:x} {:x} {}", casters.low, casters.high, open_sides);
   for (const Knob& row : TextureKnobs::table()) all += " " + row.text(row.value(&options.textures));
+  for (const Knob& row : ReliefKnobs::table()) all += " " + row.text(row.value(&options.relief));
   return hash128(all);
 }
 

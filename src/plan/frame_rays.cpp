@@ -13,6 +13,7 @@
 #include "plan/pack_nodes.h"
 #include "reference/accel_trees.h"
 #include "scene/draw_list.h"
+#include "scene/geometry_layout.h"
 #include "scene/glow.h"
 #include "shared/trace.h"
 
@@ -90,6 +91,29 @@ glm::vec2 transformed(const TextureSlot& slot, glm::vec2 given) {
   return {c * uv.x + s * uv.y + double(slot.offset.x), -s * uv.x + c * uv.y + double(slot.offset.y)};
 }
 
+// Of reliefs: where they end, and then the triangles. to_tree: from the mesh's space into that of the tree.
+void fill_relief_corners(const MeshSection& section, const std::vector<glm::vec3>& positions, const Material& material,
+                         const glm::mat3& to_tree, shared::TraceCorners* out) {
+  const std::vector<glm::vec2>& uv = material.relief.texture.uv_set == 1 ? section.uv1 : section.uv0;
+  const UvBounds bounds = uv_bounds(uv);
+  *out = {};
+  out->uv[0] = bounds.least, out->uv[1] = bounds.most;
+  out->alpha.x = material.relief.silhouettes && !uv.empty() ? 1.0f : 0.0f;
+  tbb::parallel_for(size_t(0), section.index.size() / 3, [&](size_t t) {
+    shared::TraceCorners& c = out[1 + t];
+    glm::vec3 p[3];
+    for (size_t k = 0; k < 3; ++k) {
+      const size_t v = section.index[3 * t + k];
+      c.uv[k] = uv.empty() ? glm::vec2(0) : uv[v];
+      p[k] = positions[v];
+    }
+    const glm::dvec3 front = glm::cross(glm::dvec3(p[1] - p[0]), glm::dvec3(p[2] - p[0]));
+    const double length = glm::length(front);
+    const glm::dvec3 below = length > 0 ? front * (-double(material.relief.depth) / length) : glm::dvec3(0);
+    c.alpha = to_tree * glm::vec3(below);
+  });
+}
+
 // Of a section's triangles with a material, whose coverage differs from place to place.
 void fill_corners(const MeshSection& section, const Material& material, shared::TraceCorners* out) {
   const TextureSlot& slot = material.base_color_texture;
@@ -154,8 +178,12 @@ class LayOut {
     fill_instances();
     if (on_device_) fill_on_device();
     tbb::parallel_for(size_t(0), corner_uses_.size(), [&](size_t i) {
-      const auto& [section, material, first] = corner_uses_[i];
-      fill_corners(*section, *material, table<shared::TraceCorners>(rays_, head_.corners) + first);
+      const auto& [section, material, first, item] = corner_uses_[i];
+      shared::TraceCorners* const out = table<shared::TraceCorners>(rays_, head_.corners) + first;
+      if (material->has_relief())
+        fill_relief_corners(*section, trees_.positions_of(data_.items[item]), *material, relief_space(item), out);
+      else
+        fill_corners(*section, *material, out);
     });
     uint32_t below = 0;
     for (const AccelPart& part : trees_.parts) below = std::max(below, part.tree.depth);
@@ -186,15 +214,25 @@ class LayOut {
   void place_corners() {
     std::map<std::tuple<uint32_t, uint32_t, int>, uint32_t> known;  // mesh, section, material
     size_t corners = 0;
-    for (const DrawItem& item : data_.items) {
+    for (uint32_t i = 0; i < data_.items.size(); ++i) {
+      const DrawItem& item = data_.items[i];
       first_corner_.push_back(shared::no_trace);
       const Material* material = material_of(pose_, item);
       const MeshSection& section = trees_.section_of(item);
-      if (!material || material->alpha_mode == AlphaMode::opaque || section.topology != Topology::triangles) continue;
+      if (!material || section.topology != Topology::triangles) continue;
+      if (material->has_relief()) {
+        // Each its own: the way to the floor is in the space of the triangles, which items pose.
+        first_corner_.back() = uint32_t(corners);
+        corner_uses_.emplace_back(&section, material, corners, i);
+        corners += 1 + section.index.size() / 3;
+        CHECK_MSG(corners < shared::no_trace, "triangles of reliefs");
+        continue;
+      }
+      if (material->alpha_mode == AlphaMode::opaque) continue;
       const auto [at, is_new] = known.try_emplace({item.mesh, item.section, item.material}, uint32_t(corners));
       first_corner_.back() = at->second;
       if (!is_new) continue;
-      corner_uses_.emplace_back(&section, material, corners);
+      corner_uses_.emplace_back(&section, material, corners, i);
       corners += section.index.size() / 3;
       CHECK_MSG(corners < shared::no_trace, "masked triangles");
     }
@@ -204,6 +242,14 @@ class LayOut {
       head_.places = tables_.place(triangle_count() * sizeof(uint32_t));
     }
     head_.end = tables_.place(0);
+  }
+
+  // Triangles of instances are in the mesh's space, those of skins in relative space however they are placed.
+  glm::mat3 relief_space(uint32_t item) const {
+    const bool instanced =
+        std::ranges::any_of(trees_.instances, [&](const AccelInstance& i) { return i.item == item; });
+    if (instanced || trees_.is_skinned(data_.items[item])) return glm::mat3(1);
+    return glm::mat3(data_.relative_from_local[data_.items[item].transform]);
   }
 
   // Of the world tree, then of the parts; not those with corners that are no numbers.
@@ -231,6 +277,7 @@ class LayOut {
       out.flags = item.mirrored ? shared::trace_mirrored : 0;
       if (material) {
         if (material->alpha_mode == AlphaMode::mask) out.flags |= shared::trace_masked;
+        if (has_relief(trees_.section_of(item), *material)) out.flags |= shared::trace_relief_bit;
         const bool passes = refraction_ && refracts(trees_.section_of(item), *material);
         const bool blended = material->alpha_mode == AlphaMode::blend && !passes;
         if (blended) out.flags |= shared::trace_blended;
@@ -349,7 +396,8 @@ class LayOut {
   // No ray asks more of its triangles than where they are.
   bool asks_nothing(uint32_t item) const {
     return (table<const shared::TraceItem>(rays_, head_.items)[item].flags &
-            (shared::trace_masked | shared::trace_glows | shared::trace_refracts | shared::trace_single)) == 0;
+            (shared::trace_masked | shared::trace_glows | shared::trace_refracts | shared::trace_single |
+             shared::trace_relief_bit)) == 0;
   }
 
   void add_range(size_t first_node, const WideTree& tree, uint32_t instance, bool holds_instances) {
@@ -368,7 +416,7 @@ class LayOut {
   Tables tables_;
   std::vector<uint32_t> first_corner_, roots_;  // by item; by part
   std::vector<TreeRange> ranges_;
-  std::vector<std::tuple<const MeshSection*, const Material*, size_t>> corner_uses_;
+  std::vector<std::tuple<const MeshSection*, const Material*, size_t, uint32_t>> corner_uses_;
 };
 
 }  // namespace
@@ -388,6 +436,8 @@ Hash128 rays_key(const Scene& scene, const Pose& pose, const FrameData& data, bo
     const bool passes = refraction && refracts(scene.meshes[item.mesh].sections[item.section], *m);
     out.add(uint32_t(m->alpha_mode) | uint32_t(m->double_sided) << 4 | uint32_t(glows_all_over(*m)) << 5 |
             uint32_t(passes) << 6);
+    if (m->has_relief()) out.add(m->relief.depth), out.add(uint32_t(m->relief.silhouettes));
+    if (m->has_relief()) out.add(m->relief.texture.uv_set);
     if (m->alpha_mode == AlphaMode::opaque) continue;
     const TextureSlot& slot = m->base_color_texture;
     out.add(slot.image), out.add(slot.uv_set), out.add(slot.offset), out.add(slot.scale), out.add(slot.rotation_rad);

@@ -208,13 +208,15 @@ shared::Material shared_material(const Material& m, uint32_t id) {
   out.ior_f0 = ratio * ratio;
   out.specular_color = m.specular_color;
   out.id = id;
+  if (m.has_relief()) out.relief_depth = m.relief.depth;
   out.flags = (m.alpha_mode == AlphaMode::mask ? shared::material_masked : 0u) |
               (m.alpha_mode == AlphaMode::blend ? shared::material_blended : 0u) |
               (m.double_sided ? shared::material_double_sided : 0u) | (m.unlit ? shared::material_unlit : 0u) |
               (m.orm_has_occlusion ? shared::material_orm_occlusion : 0u) |
               (m.orm_has_metallic_roughness ? shared::material_orm_metallic_roughness : 0u) |
               (m.blinn_phong.shades ? shared::material_blinn_phong : 0u) |
-              (m.blinn_phong.stated ? shared::material_exponent_texture : 0u);
+              (m.blinn_phong.stated ? shared::material_exponent_texture : 0u) |
+              (m.has_relief() && m.relief.silhouettes ? shared::material_relief_ends : 0u);
   return out;
 }
 
@@ -380,9 +382,10 @@ void add_batches(const DrawList& draws, FrameUpload& upload) {
   size_t at = 0;  // among spans, of which one of the host's may reach over several runs
   uint32_t first_group = 0;
   for (const DrawBatch& run : draws.batches) {
-    const uint32_t flags =
-        (run.cull_back ? shared::batch_cull_back : 0u) | (run.mirrored ? shared::batch_mirrored : 0u) |
-        (run.alpha == AlphaMode::mask ? shared::batch_masked : 0u) | (run.unlit ? shared::batch_unlit : 0u);
+    const uint32_t flags = (run.cull_back ? shared::batch_cull_back : 0u) |
+                           (run.mirrored ? shared::batch_mirrored : 0u) |
+                           (run.alpha == AlphaMode::mask ? shared::batch_masked : 0u) |
+                           (run.unlit ? shared::batch_unlit : 0u) | (run.relief ? shared::batch_relief : 0u);
     const uint32_t run_end = run.first + run.count;
     for (; at < draws.spans.size() && draws.spans[at].first < run_end; ++at) {
       const DrawSpan& span = draws.spans[at];

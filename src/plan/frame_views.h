@@ -75,6 +75,7 @@ struct MapOptions {
   const KeptLamps* kept_lamps = nullptr;        // null: maps of point and spot lights do not outlive the frame
   const AnimationChoice* animations = nullptr;  // that play; null: none
   TextureKnobs textures = {};                   // that masks are read with
+  ReliefKnobs relief = {};                      // of a scene that has them
 };
 // Gives the views of the maps room for their draw commands, and the maps their image. Errors: as place_views().
 Expected<void> place_maps(ShadowMaps& maps, ViewImage image, const FrameData& data, const DrawList& draws,

@@ -74,7 +74,8 @@ Expected<LitFrame> light_frame(const AskedFrame& asked, const SurveyedFrame& fra
                         .floats = packed.upload.batch_count > 0,
                         .kept_lamps = context.kept_lamps,
                         .animations = &*animations,
-                        .textures = knobs.get<TextureKnobs>()};
+                        .textures = knobs.get<TextureKnobs>(),
+                        .relief = knobs.get<ReliefKnobs>()};
   auto suns = plan_suns(context.scene, frame, packed, knobs.get<SunKnobs>(), maps);
   if (!suns) return std::unexpected(suns.error());
   lit.suns = std::move(*suns);

@@ -53,7 +53,7 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.sun_image = f.suns.image;
   s.sun_absence = f.suns.absence;
   if (context.kept && (s.sun_image || (f.lamps.image && !f.lamps.image->apart)))
-    if (const auto casters = caster_hash(f.draws, u, f.pose, f.textures)) {
+    if (const auto casters = caster_hash(f.draws, u, f.pose, f.textures, f.relief)) {
       if (s.sun_image) s.sun_key = depth_views_key(*casters, *s.sun_image);
       if (f.lamps.image && !f.lamps.image->apart) s.lamp_key = depth_views_key(*casters, *f.lamps.image);
     }
@@ -66,6 +66,7 @@ SceneInputs import_scene(GraphBuilder& builder, const PlanContext& context, Plan
   s.draw_batches = std::make_shared<const std::vector<DrawBatch>>(f.draws.batches);
   s.features = scene_features(f.facts, f.facts.environment || f.request.neutral_light || f.facts.probes > 0);
   if (f.facts.probes > 0) s.features.push_back(probes_constant(f.facts.probes));
+  if (f.facts.any_relief) s.features.push_back(relief_constant(f.relief.steps, f.relief.refinements));
   if (f.surfaces.specular_aa != 0) s.features.push_back(specular_aa_constant(f.surfaces.specular_aa));
   if (f.facts.image_light) {
     const bool sampled = IblMethod(f.image_light.method) == IblMethod::sampled;
@@ -252,6 +253,7 @@ Expected<PlannedFrame> plan_one(const Job& job, const PlanContext& context, cons
   if (parts) cull_beyond(parts->seen, frame->view, frame->request, packed->upload);
   PlannedFrame f{std::move(*frame), std::move(*packed), std::move(*lit), std::move(traced)};
   f.textures = asked->knobs.get<TextureKnobs>();
+  f.relief = asked->knobs.get<ReliefKnobs>();
   f.surfaces = asked->knobs.get<SurfaceKnobs>();
   f.image_light = asked->knobs.get<IblKnobs>();
   f.probes = asked->knobs.get<ProbeKnobs>();

@@ -8,6 +8,7 @@
 #include "job/job.h"
 #include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/probe_knobs.h"
+#include "passes/surfaces/relief_knobs.h"
 #include "passes/surfaces/surface_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 #include "plan/frame_dumps.h"
@@ -20,6 +21,7 @@ namespace candela {
 // `candela plan` needs no device.
 struct PlannedFrame : SurveyedFrame, PackedFrame, LitFrame, TracedFrame {
   TextureKnobs textures;
+  ReliefKnobs relief;
   SurfaceKnobs surfaces;
   IblKnobs image_light;
   ProbeKnobs probes;

@@ -48,6 +48,10 @@ TracedFrame trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, con
   const bool texels = occlusion.knobs.sends_rays() && occlusion.needed(frame.facts, frame.request);
   out.traced.tree = asked.knobs.get<BvhKnobs>();
   int& traversal = out.traced.tree.traversal;
+  if (traversal == BvhKnobs::by_pipeline && frame.facts.any_relief) {
+    out.notes.push_back("bvh.traversal is left at shader: hits of reliefs lie elsewhere than the device has them");
+    traversal = BvhKnobs::by_shader;
+  }
   if (traversal == BvhKnobs::by_query && (shades || texels || packed.traces_keys)) {
     out.notes.push_back("rays ask the device what they meet: its own trees are built beside ours (bvh.traversal)");
   } else if (traversal == BvhKnobs::by_pipeline && packed.traces_keys) {
@@ -98,7 +102,11 @@ TracedFrame trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, con
   const int apart = asked.knobs.get<LightRayKnobs>().apart;
   traced.lockstep = context.cpu;
   traced.lights_apart = apart == LightRayKnobs::always || (apart == LightRayKnobs::by_device && !context.cpu);
-  traced.suns_by_voxels = lit.suns.by_voxels, traced.lamps_by_voxels = lit.lamps.by_voxels;
+  // Cells know their light by triangles alone.
+  const bool by_voxels = !frame.facts.any_relief;
+  traced.suns_by_voxels = by_voxels && lit.suns.by_voxels, traced.lamps_by_voxels = by_voxels && lit.lamps.by_voxels;
+  if (!by_voxels && (lit.suns.by_voxels || lit.lamps.by_voxels))
+    out.notes.push_back("voxels are left out: the scene has reliefs, and every ray is sent");
   return out;
 }
 

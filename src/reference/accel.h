@@ -47,6 +47,7 @@ struct SurfacePoint {
   glm::vec3 position{0};          // relative; from the corners, hence closer to the surface than origin + t * direction
   glm::vec3 geometric_normal{0};  // unit, towards the glTF front side; zero for a degenerate triangle
   float error_m = 0;              // a ray that begins this far off along the normal does not meet this triangle again
+  uint32_t relief_item = no_relief, relief_primitive = 0;  // of a point on a relief: its triangle
 };
 
 struct LeafBox {

@@ -262,7 +262,8 @@ class Assembly {
 
 uint8_t doubts_of(const Material* material, bool always, bool open_sides) {
   constexpr uint8_t fronts = 1, backs = 2;
-  if (always || (material && (material->alpha_mode != AlphaMode::opaque || glows_all_over(*material))))
+  if (always ||
+      (material && (material->alpha_mode != AlphaMode::opaque || material->has_relief() || glows_all_over(*material))))
     return fronts | backs;
   if (material && material->double_sided) return 0;
   return open_sides ? fronts | backs : backs;

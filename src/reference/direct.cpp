@@ -98,11 +98,12 @@ void Integrator::sample(std::span<const glm::ivec2> pixels, uint64_t index, bool
     rays.push_back(rounded(cameras.back()));
   }
   std::vector<std::optional<Hit>> first(count);
-  const SurfaceFilter filter(world_, true);
-  if (!counted) world_.accel().closest(rays, first, &filter);
+  SurfaceFilter filter(world_, true);
+  const bool one_by_one = counted || world_.has_relief();
+  if (!one_by_one) world_.accel().closest(rays, first, &filter);
   for (size_t i = 0; i < count; ++i) {
     TraceCounts counts;
-    if (counted) first[i] = world_.accel().closest(rays[i], &filter, &counts);
+    if (one_by_one) first[i] = filter.closest(rays[i], counted ? &counts : nullptr);
     out[i] = sample_along(cameras[i], first[i], streams[i], terms.empty() ? nullptr : &terms[i],
                           counted ? &counts : nullptr);
     if (counted) out[i].traversal = 0.25 * double(counts.nodes) + double(counts.triangles);
@@ -152,7 +153,7 @@ PixelSample Integrator::sample_direct(const CameraRay& camera, const std::option
     if (s.coverage > 0) {
       TermSample own;
       own[Term::emission] = s.unlit ? s.base_color : s.emission;
-      const SurfacePoint point = world_.accel().surface(*hit);
+      const SurfacePoint point = world_.point(*hit);
       std::optional<Lobe> lobe;
       if (world_.has_reflections() && !s.unlit && !world_.is_blended(hit->item)) {
         stream.start(reflection_dimensions);
@@ -238,7 +239,7 @@ glm::dvec3 Integrator::reflected(const Lobe& lobe, const Surface& s, const Surfa
   if (!lobe.hit || lobe.weight == glm::dvec3(0)) return glm::dvec3(0);
   const Ray ray = leaving_ray(point, lobe.l);
   const Surface met = world_.surface(*lobe.hit, glm::dvec3(ray.origin), lobe.l);
-  const SurfacePoint there = world_.accel().surface(*lobe.hit);
+  const SurfacePoint there = world_.point(*lobe.hit);
   const glm::dvec3 radiance =
       met.unlit ? met.base_color : met.emission + direct_light(met, there, -lobe.l, stream, nullptr);
   return s.occlusion * lobe.weight * radiance *

@@ -127,7 +127,7 @@ glm::dvec3 Integrator::by_lamp_rays(const Surface& s, const SurfacePoint& point,
   glm::dvec3 radiance = f * f_lit * light_at * (w * facing / own);
   radiance *= world_.through_fog(s.position, l, distance_m) * world_.through_fog(lit.position, l_lit, a.distance_m);
   if (radiance == none) return none;
-  const SurfacePoint end = world_.accel().surface(*hit);
+  const SurfacePoint end = world_.point(*hit);
   return radiance * light_through(world_, point, l, distance_m, nullptr, &end, false, LightAlong::none);
 }
 

@@ -384,7 +384,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, const std::optional
     // After the last bounce light still goes straight through what lies between.
     const bool last = settings_.most_bounces > 0 && bounce >= settings_.most_bounces;
     if (last && !is_straight(s)) break;
-    const SurfacePoint point = world_.accel().surface(*hit);
+    const SurfacePoint point = world_.point(*hit);
     stream.start(4 + shaded++ * dimensions_a_bounce);
     const glm::dvec2 for_lobe = stream.next2();
     const double lobe = stream.next(), roulette = stream.next();

@@ -125,7 +125,7 @@ bool follow(const Task& task, glm::dvec3 onward, Way& way) {
     about = bend->through ? *s.behind : *s.before;
     if (bend->through) bodies.cross();
     bodies.start_ray();
-    from = task.world.accel().surface(*hit), origin = s.position, onward = glm::normalize(bend->l);
+    from = task.world.point(*hit), origin = s.position, onward = glm::normalize(bend->l);
     ++way.walls;
   }
   glm::dvec3 x, y, off;

@@ -32,7 +32,89 @@ glm::dvec2 barycentrics_of(const std::array<glm::vec3, 3>& corner, const Hit& hi
   return inside.x + inside.y > 1 ? inside / (inside.x + inside.y) : inside;
 }
 
+// The place of the triangle nearest to one beside it, as far as the weights go.
+glm::dvec3 within_triangle(glm::dvec2 b) {
+  const glm::dvec3 w = glm::max(glm::dvec3(1 - b.x - b.y, b), glm::dvec3(0));
+  return w / (w.x + w.y + w.z);
+}
+
 }  // namespace
+
+ReliefLayer World::relief_layer(uint32_t item_index, uint32_t primitive) const {
+  const TracedItem& item = items_[item_index];
+  const Material& m = item.material->material;
+  const MeshSection& s = *item.section;
+  const PosedTriangle triangle = accel_.triangle(item_index, primitive);
+  const DrawItem& drawn = input_.frame.items[item_index];
+  const bool skinned = drawn.deformed >= 0 && input_.frame.deformations[size_t(drawn.deformed)].joint_count > 0;
+  const std::vector<glm::vec3>& positions =
+      item.deformed && !item.deformed->position.empty() ? item.deformed->position : s.position;
+  ReliefLayer layer;
+  glm::dvec3 local[3];
+  for (size_t i = 0; i < 3; ++i) local[i] = positions[triangle.vertex[i]];
+  layer.below = -double(m.relief.depth) * unit_or_zero(glm::cross(local[1] - local[0], local[2] - local[0]));
+  if (!skinned) layer.below = glm::dmat3(item.relative_from_local) * layer.below;
+  layer.corner = triangle.position[0];
+  const std::vector<glm::vec2>& uvs = m.relief.texture.uv_set == 1 ? s.uv1 : s.uv0;
+  layer.uv_edge[0] = layer.uv_edge[1] = glm::dvec2(0);
+  if (!uvs.empty()) layer.uv = uvs[triangle.vertex[0]];
+  for (size_t i = 0; i < 2; ++i) {
+    layer.edge[i] = glm::dvec3(triangle.position[i + 1]) - layer.corner;
+    if (!uvs.empty()) layer.uv_edge[i] = glm::dvec2(uvs[triangle.vertex[i + 1]]) - layer.uv;
+  }
+  layer.least_uv = item.least_uv, layer.most_uv = item.most_uv;
+  layer.ends = m.relief.silhouettes && !uvs.empty();
+  layer.heights = item.material->heights;
+  layer.slot = &m.relief.texture;
+  layer.sampler = &input_.scene.samplers[size_t(m.relief.texture.sampler)];
+  return layer;
+}
+
+namespace {
+std::optional<Hit> hit_of(const std::optional<ReliefHit>& met, uint32_t item, uint32_t primitive, bool back) {
+  if (!met) return {};
+  return Hit{float(met->t), float(met->weights.x), float(met->weights.y), item, primitive, back};
+}
+}  // namespace
+
+std::optional<Hit> World::meet_relief(const Ray& ray, const Hit& candidate) const {
+  const ReliefLayer layer = relief_layer(candidate.item, candidate.primitive);
+  if (layer.below == glm::dvec3(0) || glm::cross(layer.edge[0], layer.edge[1]) == glm::dvec3(0)) return candidate;
+  const auto met = reference::meet_relief(layer, ray.origin, ray.direction, ray.t_min, ray.t_max);
+  // From behind the ray meets the floor, a flat back; what it meets inside is the surface, seen from its front.
+  const bool floor = candidate.back && met && met->depth >= 1;
+  return hit_of(met, candidate.item, candidate.primitive, floor);
+}
+
+std::optional<Hit> World::leave_relief(const Ray& ray) const {
+  if (ray.relief_item == no_relief) return {};
+  const ReliefLayer layer = relief_layer(ray.relief_item, ray.relief_primitive);
+  return hit_of(reference::meet_relief(layer, ray.origin, ray.direction, ray.t_min, ray.t_max), ray.relief_item,
+                ray.relief_primitive, false);
+}
+
+SurfacePoint World::point(const Hit& hit) const {
+  if (!has_relief(hit.item)) return accel_.surface(hit);
+  SurfacePoint out = accel_.surface({hit.t, 1.f / 3, 1.f / 3, hit.item, hit.primitive, hit.back});
+  const ReliefLayer layer = relief_layer(hit.item, hit.primitive);
+  const glm::dvec2 weights(hit.u, hit.v);
+  if (hit.back) {
+    out.position = layer.position(weights, 1);
+    return out;
+  }
+  const glm::dvec2 slope = layer.slope(weights, false);
+  out.position = layer.position(weights, layer.height(weights));
+  // The weights' own rounding, along the plane and by the slope in depth.
+  const double reach =
+      (std::abs(weights.x) + 1) * glm::length(layer.edge[0]) + (std::abs(weights.y) + 1) * glm::length(layer.edge[1]);
+  const double rise = (std::abs(slope.x) * (std::abs(weights.x) + 1) + std::abs(slope.y) * (std::abs(weights.y) + 1)) *
+                      glm::length(layer.below);
+  out.error_m += float((reach + rise + glm::length(layer.below)) * 0x1p-22);
+  const glm::dvec3 normal = unit_or_zero(layer.leaned(out.geometric_normal, slope));
+  if (normal != glm::dvec3(0)) out.geometric_normal = normal;
+  out.relief_item = hit.item, out.relief_primitive = hit.primitive;
+  return out;
+}
 
 World::Vertex World::vertex_at(const TracedItem& item, const std::array<uint32_t, 3>& corner, glm::dvec3 weight) const {
   const MeshSection& s = *item.section;
@@ -200,6 +282,11 @@ double World::coverage(const Hit& hit) const {
 }
 
 glm::dvec2 World::weights(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction) const {
+  if (has_relief(hit.item)) {
+    const ReliefHit near{double(hit.t), {hit.u, hit.v}, hit.back ? 1.0 : 0.0};
+    if (hit.back) return near.weights;
+    return refined(relief_layer(hit.item, hit.primitive), origin, direction, near).weights;
+  }
   return barycentrics_of(accel_.triangle(hit.item, hit.primitive).position, hit, origin, direction);
 }
 
@@ -241,7 +328,7 @@ Surface World::surface_from(const Hit& hit, glm::dvec3 origin, glm::dvec3 direct
     return implicit_surface(*body, hit, direction, to_eye, hit.back != other_side);
   }
   const PosedTriangle triangle = accel_.triangle(hit.item, hit.primitive);
-  const glm::dvec2 b = barycentrics_of(triangle.position, hit, origin, direction);
+  const glm::dvec2 b = weights(hit, origin, direction);
   const glm::dvec3 p0(triangle.position[0]), e1 = glm::dvec3(triangle.position[1]) - p0,
                                              e2 = glm::dvec3(triangle.position[2]) - p0;
   const glm::dvec3 to_eye = unit_or_zero(eye - (p0 + b.x * e1 + b.y * e2)), normal = glm::cross(e1, e2);
@@ -252,9 +339,15 @@ Surface World::surface_from(const Hit& hit, glm::dvec3 origin, glm::dvec3 direct
 Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b, bool back, glm::dvec3 to_viewer,
                           const glm::dmat2* area) const {
   const TracedItem& item = items_[item_index];
+  const TracedMaterial& t = *item.material;
   const PosedTriangle triangle = accel_.triangle(item_index, primitive);
   const glm::dvec3 weight(1 - b.x - b.y, b.x, b.y);
   Vertex v = vertex_at(item, triangle.vertex, weight);
+  if (t.heights) {
+    // Beside the triangle textures go on, and what else its corners have does not.
+    const Vertex inside = vertex_at(item, triangle.vertex, within_triangle(b));
+    v.normal = inside.normal, v.tangent = inside.tangent, v.color = inside.color;
+  }
   if (area) {
     v.uv_sides.emplace();
     for (size_t i = 0; i < 2; ++i) {
@@ -265,8 +358,19 @@ Surface World::surface_at(uint32_t item_index, uint32_t primitive, glm::dvec2 b,
   }
 
   const glm::dvec3 p0(triangle.position[0]), p1(triangle.position[1]), p2(triangle.position[2]);
-  return shaded_surface(item, v, weight.x * p0 + weight.y * p1 + weight.z * p2,
-                        unit_or_zero(glm::cross(p1 - p0, p2 - p0)), back, to_viewer);
+  glm::dvec3 position = weight.x * p0 + weight.y * p1 + weight.z * p2,
+             geometric = unit_or_zero(glm::cross(p1 - p0, p2 - p0));
+  if (t.heights) {
+    const ReliefLayer layer = relief_layer(item_index, primitive);
+    position = layer.position(b, back ? 1 : layer.height(b));
+    if (!back) {
+      if (glm::dot(geometric, layer.below) > 0) geometric = -geometric;
+      geometric = unit_or_zero(layer.leaned(geometric, layer.slope(b, false)));
+      // A normal map says how its surface leans; without one its heights do.
+      if (!t.normal) v.normal = layer.leaned(v.normal, layer.slope(b, true));
+    }
+  }
+  return shaded_surface(item, v, position, geometric, back, to_viewer);
 }
 
 Surface World::shaded_surface(const TracedItem& item, const Vertex& v, glm::dvec3 position, glm::dvec3 geometric,

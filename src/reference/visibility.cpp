@@ -23,7 +23,38 @@ bool passes_light(const World& world, const Hit& hit, LightAlong light) {
   return !world.is_double_sided(hit.item) && !world.bounds_body(hit.item);
 }
 
+void SurfaceFilter::begin(const Ray& ray, bool any) {
+  ray_ = &ray, any_ = any;
+  relief_ = world_.leave_relief(ray);
+  if (relief_ && !counts(*relief_)) relief_.reset();
+}
+
+std::optional<Hit> SurfaceFilter::closest(const Ray& ray, TraceCounts* trace_counts) {
+  if (!world_.has_relief()) return world_.accel().closest(ray, this, trace_counts);
+  begin(ray, false);
+  const std::optional<Hit> hit = world_.accel().closest(ray, this, trace_counts);
+  if (!relief_ || (hit && hit->t <= relief_->t)) return hit;
+  return relief_;
+}
+
+bool SurfaceFilter::occluded(const Ray& ray) {
+  if (!world_.has_relief()) return world_.accel().occluded(ray, this);
+  begin(ray, true);
+  return relief_ || world_.accel().occluded(ray, this);
+}
+
 bool SurfaceFilter::accepts(const Hit& hit) const {
+  if (!ray_ || !world_.has_relief(hit.item)) return counts(hit);
+  if (culls_backs_ && hit.back && !world_.is_double_sided(hit.item)) return false;
+  const std::optional<Hit> met = world_.meet_relief(*ray_, hit);
+  if (!met || !counts(*met)) return false;
+  if (!relief_ || std::tie(met->t, met->item, met->primitive) < std::tie(relief_->t, relief_->item, relief_->primitive))
+    relief_ = met;
+  // The nearest lies elsewhere than the tree has it, so that the tree goes on without it.
+  return any_;
+}
+
+bool SurfaceFilter::counts(const Hit& hit) const {
   if (passed_ && (std::tie(hit.t, hit.item, hit.primitive) <= std::tie(passed_->t, passed_->item, passed_->primitive) ||
                   is_same_point(hit, *passed_)))
     return false;
@@ -35,10 +66,11 @@ bool SurfaceFilter::accepts(const Hit& hit) const {
 
 std::optional<Hit> next_surface(const World& world, const Ray& ray, bool culls_backs, const Hit* passed,
                                 TraceCounts* counts, bool to_lamp, LightAlong light) {
-  const SurfaceFilter filter(world, culls_backs, passed, to_lamp, light);
+  SurfaceFilter filter(world, culls_backs, passed, to_lamp, light);
   Ray rest = ray;
-  if (passed) rest.t_min = passed->t;
-  return world.accel().closest(rest, &filter, counts);
+  // A relief's triangle may lie before what was passed.
+  if (passed && !world.has_relief()) rest.t_min = passed->t;
+  return filter.closest(rest, counts);
 }
 
 std::optional<Ray> shadow_ray(const SurfacePoint& from, glm::dvec3 l, double distance_m, const SurfacePoint* target) {
@@ -59,8 +91,8 @@ double transmittance(const World& world, const SurfacePoint& from, glm::dvec3 l,
   const std::optional<Ray> ray = shadow_ray(from, l, distance_m, target);
   if (!ray) return 1;
   if (!world.has_blend()) {
-    const SurfaceFilter filter(world, false, nullptr, to_lamp, light);
-    return world.accel().occluded(*ray, &filter) ? 0 : 1;
+    SurfaceFilter filter(world, false, nullptr, to_lamp, light);
+    return filter.occluded(*ray) ? 0 : 1;
   }
   double through = 1;
   std::optional<Hit> hit = next_surface(world, *ray, false, nullptr, nullptr, to_lamp, light);
@@ -102,6 +134,7 @@ Ray leaving_ray(const SurfacePoint& from, glm::dvec3 direction) {
   Ray out;
   out.direction = direction;
   out.origin = leaving_origin(from, out.direction);
+  out.relief_item = from.relief_item, out.relief_primitive = from.relief_primitive;
   return out;
 }
 

@@ -19,13 +19,22 @@ class SurfaceFilter final : public HitFilter {
                 LightAlong light = LightAlong::none)
       : world_(world), culls_backs_(culls_backs), passed_(passed), to_lamp_(to_lamp), light_(light) {}
   bool accepts(const Hit& candidate) const override;
+  // Through the world with this filter. Reliefs are met by the filter, which knows the ray then: no tree does.
+  std::optional<Hit> closest(const Ray& ray, TraceCounts* counts = nullptr);
+  bool occluded(const Ray& ray);
 
  private:
+  bool counts(const Hit& hit) const;
+  void begin(const Ray& ray, bool any);
+
   const World& world_;
   bool culls_backs_;
   const Hit* passed_;
   bool to_lamp_;
   LightAlong light_;
+  const Ray* ray_ = nullptr;  // only where there are reliefs
+  bool any_ = false;
+  mutable std::optional<Hit> relief_;  // nearest that the ray has met so far
 };
 
 // The next surface along a ray; `passed` continues behind a surface that let the ray through, without an offset that

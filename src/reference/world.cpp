@@ -1,5 +1,7 @@
 #include "reference/world.h"
 
+#include "scene/geometry_layout.h"
+
 #include <tbb/parallel_for.h>
 
 #include <cmath>
@@ -81,6 +83,7 @@ void World::load_materials(std::vector<std::string>& warnings) {
     t.emissive = find(m.emissive_texture, true);
     t.specular = find(m.specular_texture, false);
     t.specular_color = find(m.specular_color_texture, true);
+    if (m.has_relief()) t.heights = find(m.relief.texture, false);
     if (m.has(Lobe::clearcoat)) {
       t.clearcoat = find(m.clearcoat.texture, false);
       t.clearcoat_roughness = find(m.clearcoat.roughness_texture, false);
@@ -128,11 +131,19 @@ void World::add_items() {
     if (t.section->topology == Topology::triangles) {
       has_blend_ |= t.material->material.alpha_mode == AlphaMode::blend;
       has_glass_ |= t.material->glass.has_value();
+      if (t.material->heights) add_relief_bounds(t);
       TracedMaterial& traced = item.material >= 0 ? materials_[size_t(item.material)] : materials_.back();
       if (traced.glass && traced.glass->medium) thin_out(*traced.glass->medium, t);
     }
     items_.push_back(t);
   }
+}
+
+void World::add_relief_bounds(TracedItem& item) {
+  has_relief_ = true;
+  const bool second = item.material->material.relief.texture.uv_set == 1;
+  const UvBounds bounds = uv_bounds(second ? item.section->uv1 : item.section->uv0);
+  item.least_uv = bounds.least, item.most_uv = bounds.most;
 }
 
 // Ways between events must be longer than what floats tell apart where the item lies: a denser medium is thinned out,

@@ -12,6 +12,7 @@
 #include "reference/medium.h"
 #include "reference/punctual.h"
 #include "reference/ray_differential.h"
+#include "reference/relief.h"
 #include "reference/sky.h"
 #include "reference/texture.h"
 #include "scene/environment.h"
@@ -97,6 +98,14 @@ class World {
   // textures over what that part sees.
   Surface surface(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction,
                   const RayDifferential* beside = nullptr) const;
+  // Where a ray meets the relief of a triangle that it meets at `candidate`, or below which it begins; nothing: it
+  // passes by. t of what is returned may lie before the candidate's, where the ray comes from below.
+  std::optional<Hit> meet_relief(const Ray& ray, const Hit& candidate) const;
+  std::optional<Hit> leave_relief(const Ray& ray) const;
+  bool has_relief() const { return has_relief_; }
+  bool has_relief(uint32_t item) const { return items_[item].material->heights != nullptr; }
+  // What is needed to leave the surface at a hit.
+  SurfacePoint point(const Hit& hit) const;
   // The same seen from a point on either side.
   Surface surface_from(const Hit& hit, glm::dvec3 origin, glm::dvec3 direction, glm::dvec3 eye) const;
   // Those: weights of the second and third corner.
@@ -142,7 +151,8 @@ class World {
     const Texture *clearcoat = nullptr, *clearcoat_roughness = nullptr, *clearcoat_normal = nullptr,
                   *sheen_color = nullptr, *sheen_roughness = nullptr, *iridescence = nullptr, *film_thickness = nullptr,
                   *anisotropy = nullptr, *diffuse_transmission = nullptr, *transmitted_color = nullptr;
-    std::optional<Glass> glass;  // nothing: opaque
+    const Texture* heights = nullptr;  // of a relief
+    std::optional<Glass> glass;        // nothing: opaque
     // Where light does not go through, what a body scatters that is taken for a slab, and how thick that is.
     std::optional<BodyMedium> slab;
     const Texture* thickness = nullptr;
@@ -155,6 +165,7 @@ class World {
     double mirrored = 1;  // -1 where the transform turns the tangent frame over
     glm::dmat3 normal_from_local{1};
     bool unlit = false;
+    glm::dvec2 least_uv{0}, most_uv{0};  // of the section, where a relief ends
   };
   // What a point has from its vertices.
   struct Vertex {
@@ -175,6 +186,7 @@ class World {
   Surface implicit_surface(const MetaballSurface& body, const Hit& hit, glm::dvec3 direction, glm::dvec3 to_viewer,
                            bool back) const;
   Vertex vertex_at(const TracedItem& item, const std::array<uint32_t, 3>& corner, glm::dvec3 weight) const;
+  ReliefLayer relief_layer(uint32_t item, uint32_t primitive) const;
   glm::dvec4 fetch(const Texture* texture, const TextureSlot& slot, const Vertex& v) const;
   // The mean over the vertex's area, where it has one.
   glm::dvec4 fetch_colour(const Texture* texture, const TextureSlot& slot, const Vertex& v, bool premultiplied) const;
@@ -186,6 +198,7 @@ class World {
   glm::dvec3 mapped_normal(const Texture* map, const TextureSlot& slot, double scale, const Vertex& v) const;
   glm::dvec3 normal_at(const TracedMaterial& m, const Vertex& v, bool back, glm::dvec3 to_viewer) const;
   void add_bending_walls();
+  void add_relief_bounds(TracedItem& item);
   static void thin_out(BodyMedium& medium, const TracedItem& item);
   static double coverage_of(const Material& m, double alpha);
 
@@ -206,7 +219,7 @@ class World {
   };
   std::vector<Wall> bending_;
   std::vector<double> lamp_power_;  // of tree_punctual(), each with those before it
-  bool has_blend_ = false, has_glass_ = false, has_sized_lights_ = false;
+  bool has_blend_ = false, has_glass_ = false, has_relief_ = false, has_sized_lights_ = false;
 };
 
 }  // namespace candela::reference

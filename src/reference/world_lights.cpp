@@ -104,6 +104,7 @@ void World::add_emissive_triangles(std::vector<LightExtent>& extents) {
     if (item.section->metaballs >= 0) continue;  // paths that meet it by chance count its light
     if (item.section->topology != Topology::triangles || item.unlit || m.emissive * m.emissive_strength == glm::vec3(0))
       continue;
+    if (item.material->heights) continue;  // its light does not come from its triangles: paths meet it by chance
     const uint32_t count = uint32_t(item.section->index.size() / 3);
     emissive_index_[i].assign(count, -1);
     for (uint32_t k = 0; k < count; ++k) {

@@ -14,9 +14,13 @@ bool refracts(const MeshSection& section, const Material& material) {
   return section.topology == Topology::triangles && !is_unlit(section, &material) && material.has(Lobe::transmission);
 }
 
+bool has_relief(const MeshSection& section, const Material& material) {
+  return section.topology == Topology::triangles && material.has_relief();
+}
+
 namespace {
 
-constexpr uint32_t draw_ranks = 2 * 2 * 2 * 3 * 2 * 2 + 1;
+constexpr uint32_t draw_ranks = 2 * 3 * 2 * 3 * 2 * 2 + 1;
 
 // How an item is drawn; items of one section at many places share it.
 DrawBatch state_of(const Scene& scene, const Pose& pose, const DrawItem& item, bool refraction) {
@@ -30,6 +34,7 @@ DrawBatch state_of(const Scene& scene, const Pose& pose, const DrawItem& item, b
   s.mirrored = item.mirrored;
   s.refracts = refraction && material && refracts(section, *material);
   if (s.refracts && s.alpha == AlphaMode::blend) s.alpha = AlphaMode::opaque;  // its shader covers by alpha
+  s.relief = material && has_relief(section, *material);
   return s;
 }
 
@@ -37,7 +42,7 @@ DrawBatch state_of(const Scene& scene, const Pose& pose, const DrawItem& item, b
 uint32_t rank_of(const DrawBatch& s) {
   if (s.alpha == AlphaMode::blend) return draw_ranks - 1;
   uint32_t rank = s.refracts;
-  rank = rank * 2 + uint32_t(s.alpha == AlphaMode::mask);
+  rank = rank * 3 + (s.relief ? 2 : uint32_t(s.alpha == AlphaMode::mask));  // a relief is opaque
   rank = rank * 2 + uint32_t(s.unlit);
   rank = rank * 3 + uint32_t(s.topology);
   rank = rank * 2 + uint32_t(!s.cull_back);

@@ -12,10 +12,11 @@ struct DrawBatch {
   AlphaMode alpha = AlphaMode::opaque;
   bool unlit = false, cull_back = true, mirrored = false;
   bool refracts = false;          // is drawn after what is seen through it
+  bool relief = false;            // its surface lies below the mesh (docs/relief.md)
   uint32_t first = 0, count = 0;  // in the order of drawing
   bool same_state(const DrawBatch& o) const {
     return topology == o.topology && alpha == o.alpha && unlit == o.unlit && cull_back == o.cull_back &&
-           mirrored == o.mirrored && refracts == o.refracts;
+           mirrored == o.mirrored && refracts == o.refracts && relief == o.relief;
   }
   bool is_lines() const { return topology != Topology::triangles; }  // or points
   // Hides what is behind it.
@@ -47,6 +48,9 @@ DrawList make_draw_list(const Scene& scene, const Pose& pose, const FrameData& f
 // Whether a section lets light through (KHR_materials_transmission). Of blended ones the part that alpha covers does;
 // through the rest the picture behind is seen as it is.
 bool refracts(const MeshSection& section, const Material& material);
+
+// Whether a section's surface lies below its triangles (CANDELA_relief).
+bool has_relief(const MeshSection& section, const Material& material);
 
 // Whether a section is drawn without lighting: its material says so, or it has no normals (lines and points).
 bool is_unlit(const MeshSection& section, const Material* material);

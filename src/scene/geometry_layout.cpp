@@ -11,7 +11,7 @@ namespace {
 
 bool uses_uv_set(const Material& m, bool unlit, int set) {
   const auto slot = [&](const TextureSlot& t) { return t && t.uv_set == set; };
-  if (unlit) return slot(m.base_color_texture);
+  if (unlit) return slot(m.base_color_texture) || slot(m.relief.texture);
   bool any = false;
   for_each_slot(m, [&](const TextureSlot& t, bool) { any |= slot(t); });
   return any;
@@ -37,7 +37,13 @@ void layout_section(const MeshSection& s, const Material* material, Cursor& curs
   l.position = cursor.take(s.position.size(), 3);
   l.normal = cursor.take(when(!unlit, s.normal), 3);
   l.tangent = cursor.take(when(!unlit && material && material->wants_tangents(), s.tangent), 4);
+  // Where a relief ends stands before the texture coordinates of its heights.
+  const auto relief_words = [&](int set, const auto& uvs) {
+    return material && material->relief.texture && material->relief.texture.uv_set == set && !uvs.empty() ? 4 : 0;
+  };
+  cursor.take(size_t(relief_words(0, s.uv0)), 1);
   l.uv0 = cursor.take(when(material && uses_uv_set(*material, unlit, 0), s.uv0), 2);
+  cursor.take(size_t(relief_words(1, s.uv1)), 1);
   l.uv1 = cursor.take(when(material && uses_uv_set(*material, unlit, 1), s.uv1), 2);
   l.color = cursor.take(s.color.size(), 4);
   l.joints0 = cursor.take(s.joints0.size(), 2);
@@ -56,6 +62,11 @@ void layout_section(const MeshSection& s, const Material* material, Cursor& curs
 template <class T>
 void copy_words(std::span<uint32_t> words, uint32_t at, const std::vector<T>& values) {
   if (at != SectionLayout::absent) std::memcpy(words.data() + at, values.data(), values.size() * sizeof(T));
+}
+
+void pack_relief_bounds(std::span<uint32_t> words, uint32_t uv_at, const std::vector<glm::vec2>& uvs) {
+  const UvBounds bounds = uv_bounds(uvs);
+  std::memcpy(words.data() + uv_at - 4, &bounds, sizeof bounds);
 }
 
 void pack_morphs(const MeshSection& s, const SectionLayout& l, std::span<uint32_t> words) {
@@ -77,6 +88,13 @@ void pack_morphs(const MeshSection& s, const SectionLayout& l, std::span<uint32_
 }
 
 }  // namespace
+
+UvBounds uv_bounds(const std::vector<glm::vec2>& uvs) {
+  if (uvs.empty()) return {};
+  UvBounds bounds{uvs[0], uvs[0]};
+  for (const glm::vec2& uv : uvs) bounds.least = glm::min(bounds.least, uv), bounds.most = glm::max(bounds.most, uv);
+  return bounds;
+}
 
 Expected<GeometryLayout> layout_geometry(const Scene& scene) {
   GeometryLayout layout;
@@ -122,6 +140,12 @@ void pack_geometry(const Scene& scene, const GeometryLayout& layout, std::span<u
       copy_words(words, l.joints1, s.joints1);
       copy_words(words, l.weights1, s.weights1);
       pack_morphs(s, l, words);
+      const Material* material = s.material >= 0 ? &scene.materials[size_t(s.material)] : nullptr;
+      if (material && material->relief.texture) {
+        const bool second = material->relief.texture.uv_set == 1;
+        const uint32_t at = second ? l.uv1 : l.uv0;
+        if (at != SectionLayout::absent) pack_relief_bounds(words, at, second ? s.uv1 : s.uv0);
+      }
       std::copy(s.index.begin(), s.index.end(), indices.begin() + l.first_index);
     }
   }

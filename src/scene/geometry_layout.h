@@ -20,6 +20,12 @@ struct SectionLayout {
   uint32_t morph_table = absent;
   uint32_t first_index = 0, index_count = 0;
 };
+// Of a section's texture coordinates: where its relief ends. Four words before those that its heights are read by.
+struct UvBounds {
+  glm::vec2 least{0}, most{0};
+};
+UvBounds uv_bounds(const std::vector<glm::vec2>& uvs);
+
 struct GeometryLayout {
   std::vector<std::vector<SectionLayout>> sections;  // by mesh, by section
   uint32_t geometry_count = 0;

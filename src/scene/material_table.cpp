@@ -80,6 +80,8 @@ constexpr MaterialProperty properties[] = {
      [](Material& m) { return &m.specular_color.x; }, Plainest::blinn_phong},
     {material_blinn_phong_exponent, "extensions/CANDELA_materials_blinn_phong/exponent", 1, 0, most_exponent,
      [](Material& m) { return &m.blinn_phong.exponent; }, Plainest::blinn_phong},
+    {material_relief_depth, "extensions/CANDELA_relief/depth", 1, 0, unbounded,
+     [](Material& m) { return &m.relief.depth; }, Plainest::lambert},
 };
 
 bool lit(const Material& m) { return !m.unlit; }
@@ -91,6 +93,7 @@ bool has_transmission_lobe(const Material& m) { return m.has(Lobe::transmission)
 bool has_thickness(const Material& m) {
   return (m.has(Lobe::transmission) && m.thickness_m > 0) || m.has(Lobe::scattering);
 }
+bool has_relief(const Material& m) { return m.has_relief(); }
 bool has_diffuse_transmission(const Material& m) { return m.has(Lobe::diffuse_transmission); }
 
 constexpr MaterialTexture textures[] = {
@@ -133,6 +136,8 @@ constexpr MaterialTexture textures[] = {
     {TextureSlotName::diffuse_transmission_color,
      "extensions/KHR_materials_diffuse_transmission/diffuseTransmissionColorTexture",
      [](Material& m) -> TextureSlot& { return m.diffuse_transmission.color_texture; }, true, has_diffuse_transmission},
+    {TextureSlotName::relief, "extensions/CANDELA_relief/heightTexture",
+     [](Material& m) -> TextureSlot& { return m.relief.texture; }, false, has_relief},
 };
 
 constexpr bool in_order() {

@@ -97,6 +97,13 @@ struct BlinnPhong {
   float exponent = 32;
 };
 
+// CANDELA_relief (docs/relief.md): the surface lies below the mesh, by the height that a texture has there as a depth.
+struct Relief {
+  TextureSlot texture;      // R: 0 is the mesh's own surface, 1 the floor
+  float depth = 0;          // of the floor, in the mesh's space along its triangles' normals
+  bool silhouettes = true;  // the surface ends where the section's texture coordinates do; else it goes on
+};
+
 // Metallic-roughness material (glTF 2.0 appendix B) with ior, specular, emissive_strength, unlit and the lobes above.
 struct Material {
   std::string name;
@@ -135,7 +142,10 @@ struct Material {
   DiffuseTransmission diffuse_transmission;
   Scattering scattering;
   BlinnPhong blinn_phong;
+  Relief relief;
 
+  // Of opaque surfaces alone (the reader leaves others without a texture).
+  bool has_relief() const { return relief.texture && relief.depth > 0; }
   bool wants_tangents() const { return !unlit && (normal_texture || clearcoat.normal_texture || anisotropy.stated); }
   // The texture coordinates along which they lie.
   int tangent_uv_set() const {
@@ -310,6 +320,7 @@ enum class TargetPath : uint8_t {
   material_scatter_anisotropy,
   material_blinn_phong_specular,
   material_blinn_phong_exponent,
+  material_relief_depth,
   texture_offset,
   texture_rotation,
   texture_scale,  // of material `object`, slot `element`
@@ -348,6 +359,7 @@ enum class TextureSlotName : int {
   thickness,
   diffuse_transmission,
   diffuse_transmission_color,
+  relief,
 };
 struct AnimationChannel {
   TargetPath path = TargetPath::node_translation;

@@ -40,6 +40,7 @@ void use_lobe(SceneFacts& facts, const Material& m, Lobe lobe, std::initializer_
 // An unlit material shows its base colour alone, so nothing else of it counts.
 void use_material(SceneFacts& facts, const Material& m, bool refraction) {
   use_texture(facts, m.base_color_texture, facts.any_base_texture);
+  if (m.has_relief()) use_texture(facts, m.relief.texture, facts.any_relief);
   if (m.unlit) return;
   use_texture(facts, m.orm_texture, facts.any_orm_texture);
   use_texture(facts, m.occlusion_texture, facts.any_occlusion_texture);
@@ -216,6 +217,7 @@ std::string facts_json(const SceneFacts& f) {
       {"any_texture_transform", f.any_texture_transform},
       {"any_specular", f.any_specular},
       {"any_blinn_phong", f.any_blinn_phong},
+      {"any_relief", f.any_relief},
       {"lobes", names_of_lobes(f.lobes)},
       {"lobes_with_textures", names_of_lobes(f.lobe_textures)},
       {"materials_used", indices(f.material_used)},

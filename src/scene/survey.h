@@ -37,7 +37,8 @@ struct SceneFacts {
   bool perspective = true;
   bool any_normal_texture = false, any_base_texture = false, any_orm_texture = false, any_occlusion_texture = false,
        any_emissive_texture = false, any_specular_texture = false, any_vertex_color = false, any_uv1 = false,
-       any_texture_transform = false, any_specular = false, any_blinn_phong = false;  // over visible materials
+       any_texture_transform = false, any_specular = false, any_blinn_phong = false,
+       any_relief = false;                      // over visible materials
   bool any_smooth = false;                      // of a roughness at which the sky is mirrored sharply
   uint32_t lobes = 0, lobe_textures = 0;        // 1 << Lobe: what visible materials show, and what of it has textures
   std::vector<bool> material_used, image_used;  // by visible items: only these are uploaded and decoded

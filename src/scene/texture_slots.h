@@ -8,7 +8,7 @@ namespace candela {
 template <class F>
 void for_each_slot(const Material& m, F&& f) {
   for (const MaterialTexture& t : material_textures())
-    if (t.slot == TextureSlotName::base_color || !m.unlit) f(t.of(m), t.srgb);
+    if (t.slot == TextureSlotName::base_color || t.slot == TextureSlotName::relief || !m.unlit) f(t.of(m), t.srgb);
 }
 
 // The same of a posed material: textures of lobes that it does not show are not read.

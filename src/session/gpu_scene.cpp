@@ -204,6 +204,12 @@ void GpuScene::set_textures(const Material& m, shared::Material& out) const {
   out.emissive_texture = texture_ref(m.emissive_texture, true);
   out.specular_texture = texture_ref(m.specular_texture, false);
   out.specular_color_texture = texture_ref(m.specular_color_texture, true);
+  if (!m.has_relief()) return;
+  out.relief_texture = texture_ref(m.relief.texture, false);
+  const Sampler& sampler = scene_.samplers[size_t(m.relief.texture.sampler)];
+  static_assert(uint32_t(Wrap::repeat) == shared::wrap_repeat && uint32_t(Wrap::clamp) == shared::wrap_clamp &&
+                uint32_t(Wrap::mirror) == shared::wrap_mirror);
+  out.relief_texture.wraps = uint32_t(sampler.wrap_u) | uint32_t(sampler.wrap_v) << 2;
 }
 
 void GpuScene::set_lobe_textures(const Material& m, shared::MaterialLobes& out) const {

@@ -35,6 +35,7 @@ void add_bodies_by_faces(Recipes& all);
 void add_mirrors(Recipes& all);
 void add_shutter(Recipes& all);
 void add_metaballs(Recipes& all);
+void add_relief(Recipes& all);
 
 using std::numbers::pi;
 

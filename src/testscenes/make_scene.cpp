@@ -60,6 +60,8 @@ constexpr SceneEntry table[] = {
     {"orthographic", "boxes under an orthographic camera", make_orthographic},
     {"panes", "coloured and frosted sheets of glass over each other, slabs, a ball and a lens", make_panes, 0, false},
     {"primitive-modes", "all primitive modes, with vertex colours", make_primitive_modes},
+    {"relief", "a brick wall whose relief deepens and flattens, with a ball half in it (CANDELA_relief)", make_relief,
+     0, false},
     {"room", "a closed room with a polished floor, walls of different colours and balls of metal", make_room, 0, false},
     {"scattering",
      "bodies that scatter light, dense to thin, lit from before and behind (KHR_materials_volume_scatter)",

@@ -40,6 +40,7 @@ void make_animation_pointer(GlbWriter& out, SceneOptions& options);
 
 void make_sheets(GlbWriter& out, SceneOptions& options);
 void make_crossing(GlbWriter& out, SceneOptions& options);
+void make_relief(GlbWriter& out, SceneOptions& options);
 void make_scattering(GlbWriter& out, SceneOptions& options);
 void make_foliage(GlbWriter& out, SceneOptions& options);
 void make_hair(GlbWriter& out, SceneOptions& options);

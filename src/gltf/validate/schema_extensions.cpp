@@ -129,6 +129,15 @@ const ObjectSchema& blinn_phong_schema() {
   return schema;
 }
 
+const ObjectSchema& relief_schema() {
+  static const ObjectSchema schema{
+      "relief",
+      {{.name = "heightTexture", .shape = Shape::object, .object = &texture_info_schema(), .required = true},
+       {.name = "depth", .shape = Shape::number, .required = true, .lowest = 0},
+       {.name = "silhouettes", .shape = Shape::boolean}}};
+  return schema;
+}
+
 const ObjectSchema& transmission_schema() {
   static const ObjectSchema schema{
       "transmission",
@@ -246,6 +255,7 @@ const std::vector<ExtensionSchema>& extension_schemas() {
       {"CANDELA_light_size", "light", &light_size_schema()},
       {"CANDELA_metaballs", "node", &metaballs_schema()},
       {"CANDELA_materials_blinn_phong", "material", &blinn_phong_schema()},
+      {"CANDELA_relief", "material", &relief_schema()},
       {"KHR_texture_transform", "textureInfo", &texture_transform_schema()},
       {"KHR_materials_emissive_strength", "material", &emissive_strength_schema()},
       {"KHR_materials_ior", "material", &ior_schema()},

@@ -15,7 +15,7 @@ inline constexpr uint32_t layer_count = 6;
 // surfaces do not appear. Background: depth 1e10, ids 0xffffffff, everything else 0.
 struct Layers {
   static constexpr std::string_view name = "layers";
-  using SharedKnobs = std::tuple<TextureKnobs>;
+  using SharedKnobs = std::tuple<TextureKnobs, ReliefKnobs>;
   static constexpr LayerName layers[layer_count] = {
       {"depth", "metres along the view axis; 1e10 where there is nothing", LayerForm::distance},
       {"normal", "world-space shading normal", LayerForm::direction},

@@ -11,7 +11,7 @@ namespace candela {
 // move has exactly 0, and where nothing does nothing is drawn.
 struct MotionLayer {
   static constexpr std::string_view name = "motion";
-  using SharedKnobs = std::tuple<TextureKnobs>;  // of masks
+  using SharedKnobs = std::tuple<TextureKnobs, ReliefKnobs>;  // of masks
   static constexpr LayerName layers[1] = {
       {"motion", "motion of the surface in the picture since the frame before, in pixels, y up", LayerForm::motion}};
   struct In {

@@ -32,6 +32,7 @@ DepthPrepass::Out DepthPrepass::declare(GraphBuilder& builder, const In& in) con
   choice.masked_fragment = "depth_prepass.frag";
   if (knobs.by_sample != 0 && in.scene.samples > 1)
     choice.masked_fragment += fmt::format("#BY_SAMPLE={}", in.scene.samples);
+  choice.relief_fragment = "relief_depth.frag";
   out.pipelines = declare_batches(
       builder, in.scene, in.draws, in.deformed,
       [&](const DrawBatch& r) {

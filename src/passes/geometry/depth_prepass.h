@@ -18,7 +18,7 @@ struct MaskKnobs {
 struct DepthPrepass {
   static constexpr std::string_view name = "depth_prepass";
   using Knobs = MaskKnobs;
-  using SharedKnobs = std::tuple<TextureKnobs>;  // of masks
+  using SharedKnobs = std::tuple<TextureKnobs, ReliefKnobs>;  // of masks
   using InputKnobs = SampleCountKnobs;
   struct In {
     SceneInputs scene;

@@ -107,6 +107,7 @@ DepthViews::Out DepthViews::declare(GraphBuilder& builder, const In& in) const {
   choice.desc.depth_test = choice.desc.depth_write = true;
   choice.desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
   choice.masked_fragment = "depth_prepass.frag";
+  choice.relief_fragment = in.image->apart ? "relief_view.frag#LAMPS=1" : "relief_view.frag";
   out.pipelines = declare_batches(
       builder, in.scene, in.draws, in.deformed,
       [](const DrawBatch& r) { return r.solid() && r.topology == Topology::triangles; }, choice);

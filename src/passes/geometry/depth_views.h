@@ -11,7 +11,7 @@ namespace candela {
 // points cast no shadow.
 struct DepthViews {
   static constexpr std::string_view name = "depth_views", effect = "shadows";
-  using SharedKnobs = std::tuple<SunKnobs, LampKnobs>;
+  using SharedKnobs = std::tuple<SunKnobs, LampKnobs, ReliefKnobs>;
   using InputKnobs = std::tuple<LightRangeKnobs>;
   struct In {
     SceneInputs scene;

@@ -51,16 +51,18 @@ RasterSteps declare_steps(GraphBuilder& builder, const SceneInputs& s, BufferHan
       std::ranges::any_of(*s.draw_batches, [](const DrawBatch& r) { return r.solid() && r.alpha == AlphaMode::mask; });
   if (any_masked) constants.push_back({31, "HAS_MASKS", 1});
   if (s.open_sides) constants.push_back({33, "OPEN_SIDES", 1});
+  const bool any_relief = std::ranges::any_of(*s.draw_batches, &DrawBatch::relief);
+  const std::string with = defined + (any_relief ? "#RELIEFS=1" : "");
   for (const SpecConstant& c : base_color_constants(s.features))
-    if (any_masked || Feature(c.id) == Feature::subsample) constants.push_back(c);
+    if (any_masked || any_relief || Feature(c.id) == Feature::subsample) constants.push_back(c);
   BufferDesc large{"rasterize.large", 8 + (uint64_t(knobs.list) + 1) * sizeof(shared::LargeTriangle)};
   large.zeroed = large.unordered = true;
   RasterSteps steps;
   steps.large = builder.create(large);
   steps.groups = builder.create(BufferDesc{"rasterize.groups", sizeof(shared::TileGroups)});
-  steps.batches = builder.pipeline(ComputePipelineDesc{"rasterize.comp" + defined, constants});
+  steps.batches = builder.pipeline(ComputePipelineDesc{"rasterize.comp" + with, constants});
   steps.count = builder.pipeline(ComputePipelineDesc{"rasterize_tiles.comp", {}});
-  steps.tiles = builder.pipeline(ComputePipelineDesc{"rasterize_large.comp" + defined, constants});
+  steps.tiles = builder.pipeline(ComputePipelineDesc{"rasterize_large.comp" + with, constants});
   builder.begin_step();
   target = builder.write(target, Access::compute_write);
   steps.large = builder.write(steps.large, Access::compute_write);

@@ -24,7 +24,7 @@ struct RasterSteps {
 struct Rasterize {
   static constexpr std::string_view name = "rasterize";
   using Knobs = RasterKnobs;
-  using SharedKnobs = std::tuple<TextureKnobs>;  // of masks
+  using SharedKnobs = std::tuple<TextureKnobs, ReliefKnobs>;  // of masks, and of reliefs
   using InputKnobs = std::tuple<CullKnobs, OcclusionCullKnobs, MaskKnobs, ResolveKnobs, SupersampleKnobs>;
   struct In {
     SceneInputs scene;
@@ -48,7 +48,7 @@ struct Rasterize {
 struct RasterizeViews {
   static constexpr std::string_view name = "rasterize_views", effect = "shadows";
   using Knobs = RasterKnobs;
-  using SharedKnobs = std::tuple<SunKnobs, LampKnobs>;
+  using SharedKnobs = std::tuple<SunKnobs, LampKnobs, ReliefKnobs>;
   using InputKnobs = std::tuple<CullKnobs, LightRangeKnobs, ColoredShadowKnobs, DeepShadowKnobs>;
   struct In {
     SceneInputs scene;

@@ -18,7 +18,7 @@ TraceKeys::Out TraceKeys::declare(GraphBuilder& builder, const In& in) const {
   std::vector<SpecConstant> constants = ray_constants(s.rays.stack, false, traversal == BvhKnobs::by_query);
   constants.push_back({30, "SAMPLES", s.samples});
   for (const SpecConstant& c : s.features)
-    if (Feature(c.id) == Feature::subsample) constants.push_back(c);
+    if (Feature(c.id) == Feature::subsample || Feature(c.id) == Feature::relief) constants.push_back(c);
   Out out;
   out.keys = builder.write(
       builder.create(BufferDesc{"keys", uint64_t(s.width_px) * s.height_px * s.samples * sizeof(uint64_t)}),
@@ -27,8 +27,10 @@ TraceKeys::Out TraceKeys::declare(GraphBuilder& builder, const In& in) const {
     out.pipeline = builder.pipeline(
         RayPipelineDesc{"trace_keys.rgen", "trace_keys.rmiss", "trace_keys.rchit", "trace_keys.rahit", constants});
   else
-    out.pipeline = builder.pipeline(ComputePipelineDesc{
-        traversal == BvhKnobs::by_query ? "trace_keys.comp#TRACE_QUERY=1" : "trace_keys.comp", constants});
+    out.pipeline = builder.pipeline(ComputePipelineDesc{std::string("trace_keys.comp") +
+                                                            (traversal == BvhKnobs::by_query ? "#TRACE_QUERY=1" : "") +
+                                                            (meets_reliefs(constants) ? "#RELIEFS=1" : ""),
+                                                        constants});
   return out;
 }
 

@@ -10,7 +10,7 @@ namespace candela {
 // those of the texture's finest level. Lines and points are not in it. Needs no atomics.
 struct TraceKeys {
   static constexpr std::string_view name = "trace_keys";
-  using SharedKnobs = std::tuple<BvhKnobs>;
+  using SharedKnobs = std::tuple<BvhKnobs, ReliefKnobs>;
   using InputKnobs = SampleCountKnobs;
   struct In {
     SceneInputs scene;

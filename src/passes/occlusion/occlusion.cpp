@@ -176,8 +176,9 @@ AmbientOcclusion::Out AmbientOcclusion::declare(GraphBuilder& builder, const In&
     integrate = {"occlusion_rays.comp", ray_constants(rays.stack, rays.blended, by_query)};
     integrate.constants.push_back({30, "SHAPE", shape(in.scene)});
     for (const SpecConstant& c : in.scene.features)
-      if (Feature(c.id) == Feature::ibl_method) integrate.constants.push_back(c);
+      if (Feature(c.id) == Feature::ibl_method || Feature(c.id) == Feature::relief) integrate.constants.push_back(c);
     if (by_query) integrate.shader += "#TRACE_QUERY=1";
+    if (meets_reliefs(integrate.constants)) integrate.shader += "#RELIEFS=1";
     for (const Knob& row : BvhKnobs::table())
       builder.knob(fmt::format("{}.{}", BvhKnobs::name, row.name), row.text(row.value(&rays.tree)));
   }

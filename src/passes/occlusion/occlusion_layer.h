@@ -10,7 +10,7 @@ struct OcclusionLayer {
   static constexpr std::string_view name = "occlusion_layer";
   static constexpr LayerName layers[] = {
       {"occlusion", "the fraction of the sky's light that is open: ambient occlusion", LayerForm::fraction}};
-  using SharedKnobs = std::tuple<TextureKnobs>;  // of masks
+  using SharedKnobs = std::tuple<TextureKnobs, ReliefKnobs>;  // of masks
   struct In {
     SceneInputs scene;
     Draws draws;

@@ -44,7 +44,7 @@ struct Reflections {
   static constexpr std::string_view name = "reflections";
   static constexpr std::string_view effect = "reflections";
   using Knobs = ReflectionKnobs;
-  using SharedKnobs = std::tuple<TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs, LightRangeKnobs>;
+  using SharedKnobs = std::tuple<TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs, LightRangeKnobs, ReliefKnobs>;
   struct In {
     SceneInputs scene;
     Draws draws;

@@ -21,6 +21,15 @@ bool traces(const Lighting& lists) {
 bool takes_settings(const Lighting& lists) {
   return lists.rays.settings && (traces(lists) || lists.records.words || lists.rays.soft_suns || lists.rays.soft_lamps);
 }
+// Its fragments have the depth of what they show. Behind a pre-pass that has drawn the same, roundings may part the
+// two: they are drawn a little before it instead of at the same depth.
+void draw_relief(GraphicsPipelineDesc& desc) {
+  const bool behind_prepass = desc.depth_compare == VK_COMPARE_OP_EQUAL;
+  if (behind_prepass) desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
+  desc.vertex_shader += "#RELIEF=1";
+  desc.fragment_shader += fmt::format("#RELIEF={}", behind_prepass ? 2 : 1);
+  if (desc.samples > 1) desc.fragment_shader += fmt::format("#RELIEF_SAMPLES={}", desc.samples);
+}
 }  // namespace
 
 BatchPipelines declare_batches(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws,
@@ -35,6 +44,13 @@ BatchPipelines declare_batches(GraphBuilder& builder, const SceneInputs& scene, 
   builder.read_optional(scene.lobes, Access::graphics_read);
   builder.read_optional(deformed, Access::vertex_read);
   BatchPipelines pipelines;
+  bool any_relief = false;
+  for (const DrawBatch& run : *scene.draw_batches) any_relief |= run.relief && accepts(run);
+  if (any_relief) {
+    // Their fragments take the triangle's corners themselves.
+    builder.read(scene.indices, Access::graphics_read, "the scene's indices");
+    builder.read_optional(deformed, Access::graphics_read);
+  }
   for (const DrawBatch& run : *scene.draw_batches) {
     if (!accepts(run)) {
       pipelines.by_run.push_back({});
@@ -44,9 +60,12 @@ BatchPipelines declare_batches(GraphBuilder& builder, const SceneInputs& scene, 
     desc.topology = vulkan_topology(run.topology);
     const bool masked = run.alpha == AlphaMode::mask;
     if (masked && !choice.masked_fragment.empty()) desc.fragment_shader = choice.masked_fragment;
+    if (run.relief && !choice.relief_fragment.empty()) desc.fragment_shader = choice.relief_fragment;
     desc.constants = run_constants(scene.features, desc, masked, run.unlit);
+    if (!run.relief && !sends_rays(desc.constants)) leave_out_reliefs(desc.constants);
     desc.fragment_shader += surface_definitions(desc.constants);
     if (scatters_in_bodies(desc.constants)) desc.vertex_shader += "#SCATTERS=1";
+    if (run.relief) draw_relief(desc);
     pipelines.by_run.push_back(builder.pipeline(desc));
   }
   return pipelines;

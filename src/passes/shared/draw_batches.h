@@ -21,7 +21,8 @@ struct BatchPipelines {
 // opaque one has none.
 struct BatchPipelineChoice {
   GraphicsPipelineDesc desc;
-  std::string masked_fragment;  // for depth-only passes; empty: desc.fragment_shader serves all
+  std::string masked_fragment;       // for depth-only passes; empty: desc.fragment_shader serves all
+  std::string relief_fragment = {};  // likewise
 };
 BatchPipelines declare_batches(GraphBuilder& builder, const SceneInputs& scene, const Draws& draws,
                                BufferHandle deformed, const std::function<bool(const DrawBatch&)>& accepts,

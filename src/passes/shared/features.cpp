@@ -38,7 +38,7 @@ SpecConstant constant(Feature f, uint32_t value = 1) {
                                       "SPECULAR_AA",
                                       "RAY_QUERY",
                                       "LIGHT_VOXELS"};
-  return {uint32_t(f), names[uint32_t(f)], value};
+  return {uint32_t(f), f == Feature::relief ? "RELIEF_SEARCH" : names[uint32_t(f)], value};
 }
 bool concerns_base_color(const SpecConstant& c) {
   switch (Feature(c.id)) {
@@ -48,6 +48,7 @@ bool concerns_base_color(const SpecConstant& c) {
     case Feature::texture_transform:
     case Feature::textures:
     case Feature::subsample:
+    case Feature::relief:
       return true;
     default:
       return false;
@@ -78,7 +79,7 @@ std::vector<SpecConstant> scene_features(const SceneFacts& facts, bool ambient) 
   add(facts.emissive, Feature::emission);
   add(facts.any_blinn_phong, Feature::blinn_phong);
   add(facts.any_base_texture || facts.any_orm_texture || facts.any_occlusion_texture || facts.any_normal_texture ||
-          facts.any_emissive_texture || facts.any_specular_texture || facts.lobe_textures != 0,
+          facts.any_emissive_texture || facts.any_specular_texture || facts.any_relief || facts.lobe_textures != 0,
       Feature::textures);
   const uint32_t lobes = facts.lobes & shared::shaded_lobes, textured = facts.lobe_textures & shared::shaded_lobes;
   if (lobes != 0) list.push_back(constant(Feature::lobes, lobes));
@@ -116,6 +117,10 @@ bool holds(const std::vector<SpecConstant>& constants, Feature f) {
 }
 }  // namespace
 
+void leave_out_reliefs(std::vector<SpecConstant>& constants) {
+  std::erase_if(constants, [](const SpecConstant& c) { return Feature(c.id) == Feature::relief; });
+}
+bool meets_reliefs(const std::vector<SpecConstant>& constants) { return holds(constants, Feature::relief); }
 bool sends_rays(const std::vector<SpecConstant>& constants) { return holds(constants, Feature::ray_stack); }
 bool mirrors_sky(const std::vector<SpecConstant>& constants) {
   return std::any_of(constants.begin(), constants.end(),
@@ -137,7 +142,7 @@ std::string surface_definitions(const std::vector<SpecConstant>& constants) {
   return std::string(sends_rays(constants) ? "#TRACES=1" : "") +
          (holds(constants, Feature::ray_query) ? "#TRACE_QUERY=1" : "") +
          (holds(constants, Feature::light_voxels) ? "#VOXELS=1" : "") + (shades_lobes(constants) ? "#LOBED=1" : "") +
-         (scatters_in_bodies(constants) ? "#SCATTERS=1" : "");
+         (scatters_in_bodies(constants) ? "#SCATTERS=1" : "") + (meets_reliefs(constants) ? "#RELIEFS=1" : "");
 }
 
 std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map, int mirror_taps) {
@@ -145,6 +150,10 @@ std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map,
   list.front().value = uint32_t(method + 1) | uint32_t(mirror_taps) << 8;
   if (irradiance_map) list.push_back(constant(Feature::sky_irradiance));
   return list;
+}
+
+SpecConstant relief_constant(int steps, int refinements) {
+  return constant(Feature::relief, 1u << 31 | uint32_t(steps) | uint32_t(refinements) << 16);
 }
 
 SpecConstant specular_aa_constant(int method) { return constant(Feature::specular_aa, uint32_t(method)); }

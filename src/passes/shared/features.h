@@ -39,6 +39,7 @@ enum class Feature : uint32_t {
   specular_aa,
   ray_query,  // of no shader: what asks the device is compiled apart (surface_definitions)
   light_voxels,
+  relief = 34,  // 30 to 33 are the rasterizer's
 };
 
 // The scene-wide constants. Absent features are not listed: the shader's default is 0.
@@ -53,6 +54,10 @@ std::vector<SpecConstant> with_subsample(std::vector<SpecConstant> features);
 // Of a frame whose surfaces are as rough as their normals stray in a pixel (passes/surfaces/surface_knobs.h): 1 or
 // more.
 SpecConstant specular_aa_constant(int method);
+// Of a frame with reliefs (passes/surfaces/relief_knobs.h).
+SpecConstant relief_constant(int steps, int refinements);
+void leave_out_reliefs(std::vector<SpecConstant>& constants);  // of a pass that meets none
+bool meets_reliefs(const std::vector<SpecConstant>& constants);
 // Of a pass that shades under lights with shadow maps.
 SpecConstant sun_shadows_constant(bool traced, bool soft);
 SpecConstant lamp_shadows_constant(bool traced, bool soft);

@@ -25,6 +25,7 @@ struct OcclusionKnobs;
 struct ProbeKnobs;
 struct ReflectionKnobs;
 struct RefractionKnobs;
+struct ReliefKnobs;
 struct ResolveKnobs;
 struct SunKnobs;
 struct SupersampleKnobs;

@@ -37,7 +37,7 @@ struct GBufferKnobs {
 struct GBuffer {
   static constexpr std::string_view name = "gbuffer";
   using Knobs = GBufferKnobs;
-  using SharedKnobs = std::tuple<TextureKnobs, SurfaceKnobs>;
+  using SharedKnobs = std::tuple<TextureKnobs, SurfaceKnobs, ReliefKnobs>;
   using InputKnobs = std::tuple<IblKnobs>;
   struct In {
     SceneInputs scene;

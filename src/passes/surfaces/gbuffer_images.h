@@ -13,7 +13,7 @@ namespace candela {
 // What surfaces are shaded from in a G-buffer's images, each of four 32-bit words a texel and multisampled as the
 // frame.
 struct GBufferImages {
-  using MadeBy = std::tuple<GBufferKnobs, SurfaceKnobs, ResolveKnobs, SupersampleKnobs>;
+  using MadeBy = std::tuple<GBufferKnobs, SurfaceKnobs, ReliefKnobs, ResolveKnobs, SupersampleKnobs>;
   static constexpr size_t most = 13;
   std::array<ImageHandle, most> images;  // empty behind the last; lobes last
   uint32_t count = 0;

@@ -39,7 +39,7 @@ struct Refraction {
   static constexpr std::string_view name = "refraction";
   static constexpr std::string_view effect = "refraction";
   using Knobs = RefractionKnobs;
-  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs>;
+  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs, ReliefKnobs>;
   struct In {
     SceneInputs scene;
     Draws draws;

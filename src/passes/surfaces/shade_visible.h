@@ -16,7 +16,8 @@ namespace candela {
 // Otherwise a colour for each sample.
 struct ShadeVisible {
   static constexpr std::string_view name = "shade_visible";
-  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs, SampleStoreKnobs>;
+  using SharedKnobs =
+      std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs, SampleStoreKnobs, ReliefKnobs>;
   static constexpr std::array<std::string_view, 2> shading_effects = {"ibl", "probes"};
   struct In {
     SceneInputs scene;

@@ -3,6 +3,7 @@
 #include "passes/shared/pass.h"
 #include "passes/surfaces/ibl_knobs.h"
 #include "passes/surfaces/probe_knobs.h"
+#include "passes/surfaces/relief_knobs.h"
 #include "passes/surfaces/surface_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
 
@@ -20,8 +21,9 @@ template <bool lit>
 struct SurfacePass {
   static constexpr std::string_view name = lit ? "shade_forward" : "shade_unlit";
   using SharedKnobs =
-      std::conditional_t<lit, std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs>,
-                         std::tuple<TextureKnobs>>;
+      std::conditional_t<lit,
+                         std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs, ReliefKnobs>,
+                         std::tuple<TextureKnobs, ReliefKnobs>>;
   static constexpr std::array<std::string_view, 2> shading_effects = {"ibl", "probes"};  // image-based light
   struct In {
     SceneInputs scene;

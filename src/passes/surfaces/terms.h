@@ -43,7 +43,7 @@ struct Terms {
       {"emission", "term of beauty: what surfaces give off"},
       {"background", "term of beauty: what is behind everything, and what is seen through surfaces"},
       {"reflections", "term of beauty: what surfaces mirror of each other"}};
-  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs>;
+  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs, ReliefKnobs>;
   struct In {
     SceneInputs scene;
     Draws draws;

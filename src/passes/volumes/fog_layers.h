@@ -13,7 +13,7 @@ struct FogLayers {
   static constexpr LayerName layers[2] = {
       {"fog", "light that fog sends towards the camera"},
       {"fog_transmittance", "the fraction of light that fog lets through, a colour", LayerForm::color}};
-  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs>;
+  using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, ReliefKnobs>;
   struct In {
     SceneInputs scene;
     Draws draws;

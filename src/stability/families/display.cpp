@@ -145,6 +145,7 @@ std::vector<StabilityRecipe> stability_recipes(const std::vector<std::pair<int, 
   stability::add_mirrors(all);
   stability::add_shutter(all);
   stability::add_metaballs(all);
+  stability::add_relief(all);
   return all;
 }
 

@@ -1,0 +1,30 @@
+#include "passes/surfaces/relief_knobs.h"
+
+namespace candela {
+
+std::span<const Knob> ReliefKnobs::table() {
+  static const Knob rows[] = {
+      {.name = "steps",
+       .member = &ReliefKnobs::steps,
+       .lowest = 0,
+       .highest = 1024,
+       .levels = {16, 32, 128, 0},
+       .description =
+           "even steps in depth by which a ray looks for the relief below it; what is narrower than a step may be "
+           "missed, at grazing angles the most. 0: texel by texel, exactly",
+       .sweep = {8, 32, 128, 0}},
+      {.name = "refinements",
+       .member = &ReliefKnobs::refinements,
+       .lowest = 0,
+       .highest = 24,
+       .levels = {4, 6, 8, 8},
+       .description = "halvings of the step in which the ray met the relief: the depth is off by at most 1 / (steps * "
+                      "2^refinements) of the layer's",
+       .sweep = {2, 4, 8}},
+  };
+  return rows;
+}
+
+bool ReliefKnobs::matter(const SceneFacts& facts) { return facts.any_relief; }
+
+}  // namespace candela

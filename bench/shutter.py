@@ -32,7 +32,7 @@ class Bench:
     def render(self, scene, out, *more):
         best = math.inf
         for _ in range(3):
-            command = [self.o.program, "render", scene, "-o", out, "--size", self.o.size, "--overwrite", "--quiet",
+            command = [self.o.program, "render", scene, "-o", out, "--size", self.o.size, "--quiet",
                        "--timings", self.folder / "t.json", "--exr-type", "float", *more]
             if self.o.device:
                 command += ["--device", self.o.device]
@@ -49,7 +49,7 @@ class Bench:
     def truth(self, scene, name, *more):
         out = self.folder / f"{name}.exr"
         run(self.o.program, "reference", scene, "-o", out, "--size", self.o.size, "--mode", "direct", "--spp",
-            self.o.spp, "--quiet", "--overwrite", *more)
+            self.o.spp, "--quiet", *more)
         return out
 
     def ladder(self, scene, label, *more):

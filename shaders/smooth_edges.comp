@@ -89,13 +89,16 @@ void main() {
     const vec4 own = texelFetch(pass_images[pc.source], p, 0);
     const float right = p.x + 1 < int(pc.size_px.x) ? texelFetch(pass_images[pc.source], p + x, 0).y : 0.0;
     const float down = p.y + 1 < int(pc.size_px.y) ? texelFetch(pass_images[pc.source], p + y, 0).w : 0.0;
-    const float left = own.x, up = own.z, sum = left + right + up + down;
+    // Of a line's two kinds of edges the longer ones say where it runs; the steps between them are theirs.
+    const bool across = max(own.x, right) > max(own.z, down);
+    const vec4 taken = across ? vec4(own.x, right, 0.0, 0.0) : vec4(0.0, 0.0, own.z, down);
+    const float sum = taken.x + taken.y + taken.z + taken.w;
     result = color_at(p);
     if (sum > 0.0) {
       const float scale = 1.0 / max(sum, 1.0);
       precise vec4 mixed = result * (1.0 - min(sum, 1.0));
-      mixed += color_at(p - x) * (left * scale) + color_at(p + x) * (right * scale);
-      mixed += color_at(p - y) * (up * scale) + color_at(p + y) * (down * scale);
+      mixed += color_at(p - x) * (taken.x * scale) + color_at(p + x) * (taken.y * scale);
+      mixed += color_at(p - y) * (taken.z * scale) + color_at(p + y) * (taken.w * scale);
       result = mixed;
     }
   }

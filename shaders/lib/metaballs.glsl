@@ -78,8 +78,8 @@ float exact_reciprocal(float d) {
   return x;
 }
 
-// In cells from the lattice's origin. A few halvings find kernels that end within the edge. From the lower corner on: all
-// cells whose edge it is do so.
+// In cells from the lattice's origin. A few halvings find kernels that end within the edge. From the lower corner on:
+// all cells whose edge it is do so.
 vec3 vertex_of(MetaballBody body, MetaballBlock block, ivec3 cell, uint tetrahedron, uint edge) {
   const uint i = corner_of(tetrahedron, edge & 3u), j = corner_of(tetrahedron, edge >> 2);
   const uint a = min(i, j), b = max(i, j);

@@ -12,11 +12,11 @@
 #include "base/text.h"
 #include "cli/file_options.h"
 #include "cli/input_options.h"
+#include "cli/picture_options.h"
+#include "cli/shutter_options.h"
 #include "job/frame_choices.h"
 #include "job/old_names.h"
-#include "job/picture_camera.h"
 #include "look/look.h"
-#include "passes/post/subframes.h"
 #include "plan/posed_scene.h"
 #include "render/metering.h"
 #include "scene/up_axis.h"
@@ -75,96 +75,7 @@ void add_effect_options(CLI::App& command, JobOptions& o) {
       ->type_name("LIST");
 }
 
-void add_layer_options(CLI::App& command, JobOptions& o) {
-  command
-      .add_option("--view", o.view,
-                  "What PNG and video show: beauty, any layer, or debug.PASS.IMAGE[mip,layer], an image of the frame")
-      ->capture_default_str()
-      ->type_name("NAME");
-  command
-      .add_option("--layers", o.layers, "EXR layers beside beauty, separated by commas, or all (candela list layers)")
-      ->type_name("LIST");
-}
-
 // How the picture comes out, of a frame that is otherwise the same.
-void add_shutter_options(CLI::App& command, JobOptions& o) {
-  command
-      .add_option("--shutter", o.shutter,
-                  "How long each picture is exposed, half before its time and half after it: 180deg of 360 a frame, "
-                  "1/48s, or a part of the frame from 0 to 1; without it an instant, or the look's")
-      ->type_name("ANGLE");
-  command
-      .add_option(
-          "--fstop", o.f_stop,
-          "A lens of that f-stop blurs what is off its plane of focus; 0: a pinhole; without it the look's lens")
-      ->check(non_negative_number())
-      ->type_name("N");
-  command
-      .add_option("--focus", o.focus,
-                  "Where the plane of focus lies: metres along the view axis, inf, or the name of a node that it "
-                  "follows")
-      ->type_name("M");
-  command.add_option("--sensor", o.sensor_mm, "Height of the sensor, which makes a focal length of the field of view")
-      ->check(positive_number())
-      ->type_name("MM")
-      ->default_str("24");
-  command
-      .add_option("--subframes", o.subframes,
-                  "Frames that a picture with a shutter or a lens is the mean of; as the quality says without it")
-      ->check(CLI::Range(1, 4096))
-      ->type_name("N");
-  command
-      .add_option("--iso", o.iso,
-                  "Speed of the sensor: f-stop, shutter and it say the exposure, as on a camera; --exposure is added")
-      ->check(positive_number())
-      ->type_name("SPEED");
-}
-
-void add_picture_options(CLI::App& command, JobOptions& o, Renderer renderer) {
-  command
-      .add_option("--shading", o.shading,
-                  "How surfaces answer light: pbr, blinn-phong (Blinn's lobe instead of facets, no layers), or lambert "
-                  "(the base colour, without gloss)")
-      ->capture_default_str()
-      ->type_name("NAME");
-  command
-      .add_option(
-          "--exposure", o.exposure,
-          "Stops, over the look's; 0 where neither says; auto: one value for the whole film, metered at fixed times")
-      ->type_name("EV");
-  command
-      .add_option(
-          "--tonemap", o.tonemap,
-          "Tone curve of PNG, over the look's: agx (where neither says; Rec. 709 primaries), agx-2020 (Rec. 2020, "
-          "as Blender), none, reinhard, reinhard-luminance, aces, neutral (Khronos) or rec709 (the camera curve)")
-      ->type_name("NAME");
-  if (renderer == Renderer::gpu) add_layer_options(command, o);
-  command
-      .add_option("--background", o.background,
-                  "Where there is no sky: transparent; a colour of the display by name or #rrggbb, which PNG and video "
-                  "are laid "
-                  "over; or linear R,G,B of the scene")
-      ->capture_default_str()
-      ->type_name("COLOR");
-  command.add_option("--seed", o.seed, "Seed of all noise")
-      ->transform(whole_number<uint64_t>())
-      ->capture_default_str()
-      ->type_name("N");
-  command.add_option("--exr-type", o.exr_type, "Colour channels of EXR: half or float")
-      ->capture_default_str()
-      ->type_name("NAME");
-  command
-      .add_option("--exr-compression", o.exr_compression, "none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa or dwab")
-      ->capture_default_str()
-      ->type_name("NAME");
-  command.add_option("--png-bits", o.png_bits, "Bits a channel of PNG: 8 or 16")->capture_default_str()->type_name("N");
-  command.add_flag("--no-dither", o.no_dither, "Round to 8 bits without dither");
-  if (renderer == Renderer::gpu)
-    command.add_flag("--metadata-timings", o.metadata_timings,
-                     "Write timings into the EXR header; its bytes then differ from run to run");
-  command.add_flag("--allow-nonfinite", o.allow_nonfinite, "Write images that hold NaN or infinity instead of exit 7");
-}
-
 }  // namespace
 
 namespace {
@@ -465,22 +376,6 @@ Expected<std::optional<float>> exposure_of(const std::string& text) {
   if (error != std::errc() || end != text.data() + text.size())
     return fail(ErrorKind::usage, "--exposure", "'{}' is no number of stops; write -1.5, or auto", text);
   return std::optional(value);
-}
-
-}  // namespace
-
-namespace {
-
-Expected<void> read_shutter(const JobOptions& o, Job& job) {
-  if (!o.shutter.empty()) {
-    const auto shutter_s = parse_shutter(o.shutter, job.motion_s);
-    if (!shutter_s) return std::unexpected(shutter_s.error());
-    job.shutter_s = *shutter_s;
-  }
-  job.f_stop = o.f_stop, job.sensor_mm = o.sensor_mm, job.iso = o.iso;
-  job.focus = o.focus;
-  if (o.subframes > 0) job.settings.push_back({std::string(Subframes::Knobs::name), "n", std::to_string(o.subframes)});
-  return {};
 }
 
 }  // namespace

@@ -122,7 +122,7 @@ Expected<AskedFrame> ask_frame(const Job& job, const PlanContext& context, const
   asked.request = make_request(asked.job, asked.knobs, wanted, time_s, std::move(*look));
   const auto camera = picture_camera(asked.job, asked.request.look);
   if (!camera) return std::unexpected(camera.error());
-  if (gathers(*camera, asked.knobs.get<Subframes::Knobs>()) && !context.face)
+  if (gathers(*camera, asked.knobs.get<SubframesKnobs>()) && !context.face)
     asked.request.motion_share = camera->shutter_s / asked.job.motion_s;
   if (context.subframe)
     if (auto fine = take_subframe(*context.subframe, context, asked); !fine) return std::unexpected(fine.error());

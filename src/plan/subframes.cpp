@@ -73,8 +73,8 @@ Expected<std::vector<Subframe>> subframes_of(const Job& job, const PlanContext& 
   if (!*camera) return frames;
   const auto knobs = frame_knobs(job);
   if (!knobs) return std::unexpected(knobs.error());
-  if (gathers(*camera, knobs->get<Subframes::Knobs>())) return frames;
-  const uint32_t count = uint32_t(knobs->get<Subframes::Knobs>().n);
+  if (gathers(*camera, knobs->get<SubframesKnobs>())) return frames;
+  const uint32_t count = uint32_t(knobs->get<SubframesKnobs>().n);
   const auto [from, to] = open_shutter(time_s, camera->shutter_s, camera_cuts(context.scene, job));
   // Powers of the root of x^5 = x + 1, of which the sequence's steps are the inverse.
   constexpr double root = 1.1673039782614187;

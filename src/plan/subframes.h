@@ -3,7 +3,8 @@
 #include <vector>
 
 #include "job/picture_camera.h"
-#include "passes/post/subframes.h"
+#include "passes/post/subframes_knobs.h"
+#include "passes/shared/frame_request.h"
 
 namespace candela {
 

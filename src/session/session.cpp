@@ -19,7 +19,9 @@
 #include "session/draw_probes.h"
 #include "session/gpu_scene.h"
 #include "session/gpu_sky.h"
+#include "session/kept_images.h"
 #include "session/look_read.h"
+#include "session/one_picture.h"
 #include "session/subframe_sums.h"
 #include "session/timeout_report.h"
 #include "session/timings.h"
@@ -31,34 +33,15 @@ Error as_error(const gpu::GpuError& e) {
   return {e.out_of_memory() ? ErrorKind::out_of_memory : ErrorKind::device, e.what(), e.place};
 }
 
-// Stages and passes of a picture's frames under their names, as sums; of maps and bytes likewise.
-void add_times(const Timings& of, Timings& to) {
-  for (const auto& [stage, ms] : of.cpu_ms) to.add(stage, ms);
-  for (const gpu::PassTime& pass : of.gpu_ms) {
-    const auto same = std::ranges::find(to.gpu_ms, pass.name, &gpu::PassTime::name);
-    if (same == to.gpu_ms.end())
-      to.gpu_ms.push_back(pass);
-    else
-      same->gpu_ms += pass.gpu_ms;
-  }
-  to.frame_gpu_ms += of.frame_gpu_ms;
-  to.lamp_maps += of.lamp_maps, to.lamp_maps_drawn += of.lamp_maps_drawn, to.lamp_maps_over += of.lamp_maps_over;
-  to.uploaded_bytes += of.uploaded_bytes, to.heap_allocations += of.heap_allocations;
-  to.spans.insert(to.spans.end(), of.spans.begin(), of.spans.end());
-}
-
-void add_new(const std::vector<std::string>& lines, std::vector<std::string>& to) {
-  for (const std::string& line : lines)
-    if (std::ranges::find(to, line) == to.end()) to.push_back(line);
-}
-
 class DeviceSession : public Session {
  public:
   DeviceSession(Job job, WantedOutputs wanted, RunSettings settings)
       : asked_(std::move(job)), job_(asked_), wanted_(wanted), settings_(std::move(settings)) {}
 
   Expected<void> open();
-  Expected<FrameTicket> begin(double time_s, bool hash_outputs) override;
+  Expected<FrameTicket> begin(double time_s, bool hash_outputs) override {
+    return begin_job(job_, time_s, hash_outputs);
+  }
   Expected<FrameResult> finish(FrameTicket ticket) override;
   // The host plans, uploads and records the next frame while the device renders; a CPU device has no cores to spare.
   int in_flight() const override { return settings_.timed || device_->info().is_cpu ? 1 : 2; }
@@ -95,15 +78,7 @@ class DeviceSession : public Session {
   Expected<FrameTicket> begin_job(const Job& job, double time_s, bool hash_outputs);
   // One frame: the picture, or a part of it.
   Expected<FrameTicket> begin_frame(const Job& job, double time_s, bool hash_outputs, const Subframe* subframe);
-  // Of all its frames, the picture's own the last.
-  static FrameResult one_picture(std::vector<Begun> frames);
   Expected<FrameTicket> begin_planned(PlannedFrame& planned, Begun& begun, bool hash_outputs);
-  struct KeptImages {
-    std::vector<std::shared_ptr<gpu::KeptImage>> held;
-    std::map<int, const gpu::KeptImage*> by_resource;
-    std::vector<std::pair<Hash128, std::shared_ptr<gpu::KeptImage>>> filled;  // by this frame
-  };
-  KeptImages kept_images(const PlannedFrame& planned);
   // The error with where the frame left what shows why it did not end in time (session/timeout_report.h).
   Error failed(const gpu::GpuError& error, const FramePlan& plan) const;
   void take_run(gpu::FrameRun run, Begun& begun);
@@ -300,10 +275,6 @@ Expected<FrameWork> DeviceSession::work(double time_s) const {
   return work_of(*planned);
 }
 
-Expected<FrameTicket> DeviceSession::begin(double time_s, bool hash_outputs) {
-  return begin_job(job_, time_s, hash_outputs);
-}
-
 Expected<FrameTicket> DeviceSession::begin_job(const Job& job, double time_s, bool hash_outputs) {
   const auto frames = subframes_of(job, plan_context(), time_s);
   if (!frames) return std::unexpected(frames.error());
@@ -364,22 +335,17 @@ Expected<FrameTicket> DeviceSession::begin_frame(const Job& job, double time_s, 
     count_lamp_maps(planned->lamps, result.timings);
     result.timings.uploaded_bytes = device_->uploaded_bytes() - uploaded_before;
     result.window = picture_window(job_);
-    result.width_px = result.window.part.width;
-    result.height_px = result.window.part.height;
-    result.view = planned->view;
-    result.request = planned->request;
+    result.width_px = result.window.part.width, result.height_px = result.window.part.height;
+    result.view = planned->view, result.request = planned->request;
     result.outputs = planned->outputs;
     result.pre_exposure = planned->upload.constants.pre_exposure;
-    result.plan_hash = planned->hash;
-    result.rays = planned->rays;
+    result.plan_hash = planned->hash, result.rays = planned->rays;
     result.dumps = std::move(planned->dumps);
-    result.left_out = planned->graph.plan.left_out;
-    result.plan = std::move(planned->graph.plan);
+    result.left_out = planned->graph.plan.left_out, result.plan = std::move(planned->graph.plan);
     result.notes = std::move(planned->notes);
     if (!left_out_.empty()) result.warnings.push_back(left_out_);
     begun.reports = std::move(planned->reports);
-    begun.hash_outputs = hash_outputs;
-    begun.counts = planned->counts;
+    begun.hash_outputs = hash_outputs, begun.counts = planned->counts;
     begun_.emplace(*ticket, std::move(begun));
     return ticket;
   } catch (const gpu::GpuError& e) {
@@ -387,30 +353,6 @@ Expected<FrameTicket> DeviceSession::begin_frame(const Job& job, double time_s, 
     // content, would be taken for whole, and the frame would be another.
     return std::unexpected(failed(e, planned->graph.plan));
   }
-}
-
-// The images of the plan that outlive it; to be submitted with the frame, and held until it is done.
-DeviceSession::KeptImages DeviceSession::kept_images(const PlannedFrame& planned) {
-  KeptImages images;
-  const std::vector<PlanResource>& resources = planned.graph.plan.resources;
-  for (size_t r = 0; r < resources.size() && kept_; ++r) {
-    const PlanResource& resource = resources[r];
-    if (resource.pooled && resource.first_pass >= 0) {
-      if (planned.lamps.pool->fresh || !lamp_image_)
-        lamp_image_ = kept_->make(std::get<ImageDesc>(resource.desc), resource.image_usage);
-      images.held.push_back(lamp_image_);
-      images.by_resource[int(r)] = lamp_image_.get();
-    }
-    if (!resource.key) continue;
-    const ImageDesc& desc = std::get<ImageDesc>(resource.desc);
-    kept_->used(*resource.key, desc);
-    if (!resource.imported || resource.first_pass < 0) continue;
-    images.held.push_back(resource.to_fill ? kept_->make(desc, resource.image_usage) : kept_->find(*resource.key));
-    CHECK_MSG(images.held.back(), desc.name);
-    images.by_resource[int(r)] = images.held.back().get();
-    if (resource.to_fill) images.filled.emplace_back(*resource.key, images.held.back());
-  }
-  return images;
 }
 
 Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun& begun, bool hash_outputs) {
@@ -442,7 +384,7 @@ Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun&
   sums_->import(planned.graph.plan, uploaded.imports, uploaded.keep);
   // Until the frame is handed over nobody knows what it leaves there.
   if (planned.lamps.pool) lamp_pool_ = {};
-  const KeptImages kept = kept_images(planned);
+  const KeptImages kept = kept_images(planned, kept_.get(), lamp_image_);
   uploaded.keep.insert(uploaded.keep.end(), kept.held.begin(), kept.held.end());
   if (settings_.timed && fresh) {
     // Drivers finish compiling at a pipeline's first use: an untimed run first, so that passes are charged their own
@@ -467,17 +409,8 @@ Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun&
 
 Error DeviceSession::failed(const gpu::GpuError& error, const FramePlan& plan) const {
   Error result = as_error(error);
-  if (error.result != VK_TIMEOUT || settings_.timeout_folder.empty()) return result;
-  const gpu::DeviceInfo& device = device_->info();
-  const auto folder = write_timeout_report(
-      settings_.timeout_folder,
-      {.command = settings_.command,
-       .job = job_json(job_),
-       .versions = fmt::format("candela {}\n{}\n{}\n", CANDELA_VERSION, device.name, device.driver),
-       .plan = plan_text(plan),
-       .message = result.message});
-  result.message += folder ? fmt::format("; {} holds command, job, versions, plan and log", folder->string())
-                           : fmt::format("; what shows why could not be kept: {}", folder.error().text());
+  if (error.result == VK_TIMEOUT && !settings_.timeout_folder.empty())
+    result.message += kept_timeout(settings_, job_, device_->info(), plan, result.message);
   return result;
 }
 
@@ -517,28 +450,9 @@ Expected<FrameResult> DeviceSession::finish(FrameTicket ticket) {
     if (const auto messages = device_->validation_messages(); !messages.empty())
       return fail(ErrorKind::device, "", "the validation layer says ({} in all): {}", messages.size(),
                   messages.front());
-  return one_picture(std::move(frames));
-}
-
-FrameResult DeviceSession::one_picture(std::vector<Begun> frames) {
-  FrameResult picture = std::move(frames.back().result);
-  if (frames.size() == 1) return picture;
-  Timings times;
-  std::vector<std::string> notes, warnings;
-  std::vector<gpu::PassHash> hashes;
-  for (size_t i = 0; i + 1 < frames.size(); ++i) {
-    const FrameResult& of = frames[i].result;
-    add_times(of.timings, times);
-    add_new(of.notes, notes), add_new(of.warnings, warnings);
-    hashes.insert(hashes.end(), of.hashes.begin(), of.hashes.end());
-  }
-  add_times(picture.timings, times);
-  add_new(picture.notes, notes), add_new(picture.warnings, warnings);
-  hashes.insert(hashes.end(), picture.hashes.begin(), picture.hashes.end());
-  picture.timings = std::move(times), picture.hashes = std::move(hashes);
-  picture.notes = std::move(notes), picture.warnings = std::move(warnings);
-  picture.plan_hash = hash128(frames.front().result.plan_hash.hex() + picture.plan_hash.hex());
-  return picture;
+  std::vector<FrameResult> results;
+  for (Begun& begun : frames) results.push_back(std::move(begun.result));
+  return one_picture(std::move(results));
 }
 
 void DeviceSession::take_run(gpu::FrameRun run, Begun& begun) {

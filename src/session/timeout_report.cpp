@@ -28,4 +28,17 @@ Expected<fs::path> write_timeout_report(const fs::path& where, const TimeoutRepo
   return folder;
 }
 
+std::string kept_timeout(const RunSettings& settings, const Job& job, const gpu::DeviceInfo& device,
+                         const FramePlan& plan, const std::string& message) {
+  const auto folder = write_timeout_report(
+      settings.timeout_folder,
+      {.command = settings.command,
+       .job = job_json(job),
+       .versions = fmt::format("candela {}\n{}\n{}\n", CANDELA_VERSION, device.name, device.driver),
+       .plan = plan_text(plan),
+       .message = message});
+  return folder ? fmt::format("; {} holds command, job, versions, plan and log", folder->string())
+                : fmt::format("; what shows why could not be kept: {}", folder.error().text());
+}
+
 }  // namespace candela

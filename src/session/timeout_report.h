@@ -3,6 +3,9 @@
 #include <string>
 
 #include "base/error.h"
+#include "gpu/device.h"
+#include "graph/plan.h"
+#include "job/job.h"
 
 namespace candela {
 
@@ -18,5 +21,10 @@ struct TimeoutReport {
 // Writes it, with the log's lines so far, into a new folder inside `where`: candela-timeout, or candela-timeout-2 and
 // so on where there is one. The folder. Errors (output).
 Expected<std::filesystem::path> write_timeout_report(const std::filesystem::path& where, const TimeoutReport& report);
+
+// Writes it into the folder of the settings and says where it lies, or why it could not be kept, as the end of a
+// sentence.
+std::string kept_timeout(const RunSettings& settings, const Job& job, const gpu::DeviceInfo& device,
+                         const FramePlan& plan, const std::string& message);
 
 }  // namespace candela

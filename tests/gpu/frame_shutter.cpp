@@ -122,7 +122,7 @@ TEST_F(FrameShutter, NothingIsMixedOverACut) {
 // The cheap level: one frame, gathered along the motion. Its error against the closed form is larger than that of as
 // many samples of time, and no light is lost; where nothing moves no pixel changes.
 TEST_F(FrameShutter, OneFrameIsGatheredAlongItsMotion) {
-  const double speed = 6, shutter = 1.0 / 24;
+  const double speed = 48, shutter = 1.0 / 24;  // 12 pixels
   const auto rmse_of = [&](const std::vector<glm::vec4>& seen) {
     double squares = 0;
     for (int y = 0; y < side; ++y)

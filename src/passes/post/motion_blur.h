@@ -1,5 +1,7 @@
 #pragma once
-#include "passes/post/subframes.h"
+#include <array>
+
+#include "passes/post/subframes_knobs.h"
 #include "passes/shared/pass.h"
 #include "passes/shared/sampled_depth.h"
 #include "passes/shared/scene_inputs.h"

@@ -1,17 +1,11 @@
 #pragma once
 #include <array>
 
+#include "passes/post/subframes_knobs.h"
 #include "passes/shared/pass.h"
 #include "passes/shared/scene_inputs.h"
 
 namespace candela {
-
-struct SubframesKnobs {
-  static constexpr std::string_view name = "subframes";
-  int n = 16;
-  int gather = 0;
-  static std::span<const Knob> table();
-};
 
 // Motion blur, depth of field and edges, by the accumulation buffer (Haeberli and Akeley, "The Accumulation Buffer",
 // 1990): a picture with a shutter or a lens is the mean of n frames, each at its own moment of the open shutter, from

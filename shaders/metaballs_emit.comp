@@ -1,7 +1,7 @@
 #version 460
 // Writes the triangles of each block to their places, three vertices each: positions in the lattice's space, normals of
-// the field, turned by noise, and where motion is asked for the positions of the time before. One workgroup a block,
-// one thread a row of cells.
+// the field, turned by noise, and where motion is asked for the positions of the time before. One workgroup a block:
+// each thread finds the triangles of a row of cells, and then all share them evenly.
 #include "shared/metaballs.h"
 layout(push_constant, scalar) uniform Push { MetaballsPush pc; };
 layout(local_size_x = 64) in;
@@ -91,6 +91,13 @@ vec3 place_before(vec3 p) {
   return q;
 }
 
+// A word of a triangle's place, until its vertices are there: which it is.
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TriangleCodesRef { uint w[]; };
+uint first_word(uint vertex) {
+  const uint chunk = vertex / (3u * chunk_triangles), in_chunk = vertex - chunk * 3u * chunk_triangles;
+  return body.positions + chunk * body.chunk_words + 3u * in_chunk;
+}
+
 void store3(uint64_t buffer_address, uint word, vec3 v) {
   MetaballVerticesRef out_words = MetaballVerticesRef(buffer_address);
   out_words.f[word] = v.x;
@@ -99,8 +106,7 @@ void store3(uint64_t buffer_address, uint word, vec3 v) {
 }
 
 void store_vertex(uint vertex, vec3 p, vec3 face_normal) {
-  const uint chunk = vertex / (3u * chunk_triangles), in_chunk = vertex - chunk * 3u * chunk_triangles;
-  const uint word = body.positions + chunk * body.chunk_words + 3u * in_chunk;
+  const uint word = first_word(vertex);
   precise vec3 p_m = p * body.cell_m;
   store3(pc.deformed, word, p_m);
   if (HAS_BEFORE != 0) store3(pc.deformed_before, word, place_before(p) * body.cell_m + body.before_shift);
@@ -122,23 +128,33 @@ void main() {
   for (int x = 0; x < block_cells; ++x) count += triangles_of_cell(ivec3(x, t & 7u, t >> 3));
   count_of_row[t] = count;
   barrier();
-  uint triangle = MetaballSumsRef(pc.sums).n[pc.block_count + b];
-  for (uint i = 0u; i < t; ++i) triangle += count_of_row[i];
-  if (count == 0u) return;
-  for (int x = 0; x < block_cells; ++x) {
-    const ivec3 cell = ivec3(x, t & 7u, t >> 3);
+  // The host knows a bound of the triangles: none lies beyond the room.
+  const uint room = body.chunk_count * chunk_triangles, first = MetaballSumsRef(pc.sums).n[pc.block_count + b];
+  uint triangle = first, end = first;
+  for (uint i = 0u; i < 64u; ++i) {
+    if (i < t) triangle += count_of_row[i];
+    end += count_of_row[i];
+  }
+  end = min(end, room);
+  for (int x = 0; x < block_cells && count > 0u; ++x)
     for (uint tetrahedron = 0u; tetrahedron < 6u; ++tetrahedron) {
-      const uint inside = inside_of(cell, tetrahedron);
-      for (uint k = 0u; k < triangles_of(inside); ++k, ++triangle) {
-        vec3 p[3];
-        for (uint i = 0u; i < 3u; ++i)
-          p[i] = vertex_of(body, block, cell, tetrahedron, cut_edges[inside] >> (4u * (3u * k + i)) & 15u);
-        if (triangle >= body.chunk_count * chunk_triangles) return;  // never: the host knows a bound
-        const vec3 across = cross(p[1] - p[0], p[2] - p[0]);
-        const float area = length(across);
-        const vec3 face_normal = area > 0.0 ? across / area : vec3(0.0, 1.0, 0.0);
-        for (uint i = 0u; i < 3u; ++i) store_vertex(3u * triangle + i, p[i], face_normal);
-      }
+      const uint inside = inside_of(ivec3(x, t & 7u, t >> 3), tetrahedron), cell = uint(x) + 8u * t;
+      for (uint k = 0u; k < triangles_of(inside); ++k, ++triangle)
+        if (triangle < room)
+          TriangleCodesRef(pc.deformed).w[first_word(3u * triangle)] =
+              cell | tetrahedron << 9 | k << 12 | inside << 13;
     }
+  memoryBarrierBuffer();
+  barrier();
+  for (triangle = first + t; triangle < end; triangle += 64u) {
+    const uint code = TriangleCodesRef(pc.deformed).w[first_word(3u * triangle)];
+    const ivec3 cell = ivec3(code & 7u, code >> 3 & 7u, code >> 6 & 7u);
+    const uint tetrahedron = code >> 9 & 7u, edges = cut_edges[code >> 13] >> (12u * (code >> 12 & 1u));
+    vec3 p[3];
+    for (uint i = 0u; i < 3u; ++i) p[i] = vertex_of(body, block, cell, tetrahedron, edges >> (4u * i) & 15u);
+    const vec3 across = cross(p[1] - p[0], p[2] - p[0]);
+    const float area = length(across);
+    const vec3 face_normal = area > 0.0 ? across / area : vec3(0.0, 1.0, 0.0);
+    for (uint i = 0u; i < 3u; ++i) store_vertex(3u * triangle + i, p[i], face_normal);
   }
 }

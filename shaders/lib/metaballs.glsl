@@ -5,7 +5,8 @@
 
 const int block_cells = 8, block_nodes = block_cells + 1, block_node_count = block_nodes * block_nodes * block_nodes;
 const float least_inside = 1e-30;       // F that is inside; 0 is not, nor what a device may flush to it
-const int halvings = 4;                 // of an edge, before its vertex is interpolated
+const int halvings = 4;                 // of an edge along which F is far from straight
+const float straight = 1.0 / 64.0;      // of F's change along an edge: what its interpolated vertex may be off by
 const float least_along = 1.0 / 4096.0; // of an edge, before and behind a vertex
 const uint chunk_triangles = 4096u;
 
@@ -78,31 +79,42 @@ float exact_reciprocal(float d) {
   return x;
 }
 
-// In cells from the lattice's origin. A few halvings find kernels that end within the edge. From the lower corner on:
-// all cells whose edge it is do so.
+// Where F is 0 between two values, were it straight.
+float crossing(float low, float high) {
+  precise float down = low - high;
+  precise float s = low * exact_reciprocal(abs(down));
+  if (down < 0.0) s = -s;
+  return min(max(s, 0.0), 1.0);
+}
+
+// In cells from the lattice's origin. Where F is not straight, as where a kernel ends within the edge, a few halvings
+// come first. From the lower corner on: all cells whose edge it is do so.
 vec3 vertex_of(MetaballBody body, MetaballBlock block, ivec3 cell, uint tetrahedron, uint edge) {
   const uint i = corner_of(tetrahedron, edge & 3u), j = corner_of(tetrahedron, edge >> 2);
   const uint a = min(i, j), b = max(i, j);
   const vec3 from = vec3(ivec3(block.first_x, block.first_y, block.first_z) + cell + corner_offset(a));
   const vec3 way = vec3(corner_offset(b) - corner_offset(a));
-  float low = field_of_corner(cell, a), high = field_of_corner(cell, b), begin = 0.0, width = 1.0;
-  const bool is_low_inside = low > least_inside;
-  for (int i = 0; i < halvings; ++i) {
-    width *= 0.5;
-    precise vec3 middle = from + (begin + width) * way;
-    const float there = field_at(body, block, middle);
-    if ((there > least_inside) == is_low_inside) {
-      begin += width;
-      low = there;
-    } else {
-      high = there;
+  float low = field_of_corner(cell, a), high = field_of_corner(cell, b);
+  precise float t = crossing(low, high);
+  precise vec3 guess = from + t * way;
+  precise float allowed = abs(low - high) * straight;
+  if (abs(field_at(body, block, guess)) > allowed) {
+    const bool is_low_inside = low > least_inside;
+    float begin = 0.0, width = 1.0;
+    for (int i = 0; i < halvings; ++i) {
+      width *= 0.5;
+      precise vec3 middle = from + (begin + width) * way;
+      const float there = field_at(body, block, middle);
+      if ((there > least_inside) == is_low_inside) {
+        begin += width;
+        low = there;
+      } else {
+        high = there;
+      }
     }
+    precise float found = begin + width * crossing(low, high);
+    t = found;
   }
-  precise float down = low - high;
-  precise float s = low * exact_reciprocal(abs(down));
-  if (down < 0.0) s = -s;
-  s = min(max(s, 0.0), 1.0);
-  precise float t = begin + width * s;
   t = min(max(t, least_along), 1.0 - least_along);
   precise vec3 p = from + t * way;
   return p;

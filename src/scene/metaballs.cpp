@@ -15,7 +15,8 @@ namespace {
 
 constexpr int cells = metaball_block_cells, nodes = cells + 1;
 constexpr float least_inside = 1e-30f;       // F that is inside; 0 is not, nor what devices may flush to it
-constexpr int halvings = 4;                  // of an edge, before its vertex is interpolated
+constexpr int halvings = 4;                  // of an edge along which F is far from straight
+constexpr float straight = 1.0f / 64;        // of F's change along an edge: what its interpolated vertex may be off by
 constexpr float least_along = 1.0f / 4096;   // of an edge, before and behind a vertex
 constexpr double most_reach_cells = 0x1p20;  // of vertices from the lattice's origin, for floats
 constexpr uint64_t triangles_of_cell = 6 * 2;
@@ -155,6 +156,14 @@ float reciprocal(float d) {
   return x;
 }
 
+// Where F is 0 between two values, were it straight.
+float crossing(float low, float high) {
+  const float down = low - high;
+  float s = low * reciprocal(std::abs(down));
+  if (down < 0) s = -s;
+  return std::min(std::max(s, 0.0f), 1.0f);
+}
+
 // Of a cell's tetrahedra, their corners in bits 0 to 2 for x, y and z; all turn the same way.
 constexpr uint8_t tetrahedra[6][4] = {{0, 1, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7},
                                       {0, 5, 1, 7}, {0, 3, 2, 7}, {0, 6, 4, 7}};
@@ -226,25 +235,26 @@ class Block {
       }
     }
   }
-  // A few halvings find kernels that end within the edge. From the lower corner on: all of whom the edge is do so.
+  // Where F is not straight, as where a kernel ends within the edge, a few halvings come first. From the lower corner
+  // on: all of whom the edge is do so.
   glm::vec3 vertex(glm::ivec3 at, int a, int b, const float* f) const {
     const glm::vec3 from(first_ + at + corner(a)), way(corner(b) - corner(a));
-    float low = f[a], high = f[b], begin = 0, width = 1;
-    const bool is_low_inside = low > least_inside;
-    for (int i = 0; i < halvings; ++i) {
-      width *= 0.5f;
-      const float there = field(along(from, begin + width, way));
-      if ((there > least_inside) == is_low_inside)
-        begin += width, low = there;
-      else
-        high = there;
+    float low = f[a], high = f[b], t = crossing(low, high);
+    const float allowed = std::abs(low - high) * straight;
+    if (std::abs(field(along(from, t, way))) > allowed) {
+      const bool is_low_inside = low > least_inside;
+      float begin = 0, width = 1;
+      for (int i = 0; i < halvings; ++i) {
+        width *= 0.5f;
+        const float there = field(along(from, begin + width, way));
+        if ((there > least_inside) == is_low_inside)
+          begin += width, low = there;
+        else
+          high = there;
+      }
+      t = begin + width * crossing(low, high);
     }
-    const float down = low - high;
-    float s = low * reciprocal(std::abs(down));
-    if (down < 0) s = -s;
-    s = std::min(std::max(s, 0.0f), 1.0f);
-    const float t = std::min(std::max(begin + width * s, least_along), 1.0f - least_along);
-    const glm::vec3 p = along(from, t, way);
+    const glm::vec3 p = along(from, std::min(std::max(t, least_along), 1.0f - least_along), way);
     return {p.x * cell_m_, p.y * cell_m_, p.z * cell_m_};
   }
   static glm::vec3 along(glm::vec3 from, float t, glm::vec3 way) {

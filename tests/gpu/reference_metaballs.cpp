@@ -76,7 +76,7 @@ TEST_F(ReferenceMetaballs, ErrorsFallWithTheSquareOfTheCell) {
     }
     all.push_back(e);
   }
-  EXPECT_LT(all.back().depth_m, 2e-4);
+  EXPECT_LT(all.back().depth_m, 2.5e-4);
   EXPECT_LT(all.back().relmse, 1e-3);
 }
 

@@ -12,6 +12,9 @@
 #define TRACE_ADDRESS pc.trees
 #define TRACE_STACK RAY_STACK
 #include "lib/trace.glsl"
+#ifdef RELIEFS
+#include "lib/trace_own_relief.glsl"
+#endif
 
 TracePoint rays_from;    // of this fragment
 vec3 rays_side;          // its normal on the viewer's side
@@ -31,11 +34,29 @@ bool find_origin(vec3 position, vec3 normal) {
   }
   TraceHit hit;
   // Lanes beside the triangle may be anywhere.
-  const bool found = reach < 1e18 && trace(ray, TRACE_LOCATE, TRACE_NOTHING, hit);
+  bool found = reach < 1e18 && trace(ray, TRACE_LOCATE, TRACE_NOTHING, hit);
+#ifdef RELIEFS
+  // A relief lies elsewhere than its triangle, near which it would be looked for: it is what a ray of the camera meets.
+  if (reach < 1e18 && !(found && abs(hit.t - 1.0) < 1e-5)) {
+    TraceHit met, passed = TRACE_NOTHING;
+    uint mode = 0u;
+    ray.t_min = 0.0;
+    for (int i = 0; i < RELIEF_MOST_BEFORE; ++i) {
+      if (!trace(ray, mode, passed, met)) break;
+      if (met.t > 0.999) {
+        found = true;
+        hit = met;
+        break;
+      }
+      passed = met;
+      mode = TRACE_PASSED;
+    }
+  }
+#endif
   if (found) {
     rays_from = trace_point(hit);
   } else {  // none of the trees' triangles: a line, a point, or an edge where the rasterizer covers more
-    rays_from = TracePoint(position, normal, 3.8146973e-6 * reach);
+    rays_from = trace_free_point(position, normal, 3.8146973e-6 * reach);
   }
   if (rays_from.normal == vec3(0.0)) rays_from.normal = normal;
 #ifdef SCATTERS
@@ -51,6 +72,13 @@ float rays_through(TraceRay ray, uint mode, float radius, float fade) {
   TraceHit passed = TRACE_NOTHING;
   float through = 1.0;
   mode |= TRACE_LIGHT;
+#ifdef RELIEFS
+  const float own = trace_own_relief(rays_from, ray);
+  if (own >= 0.0) {
+    through = 1.0 - (fade == 0.0 ? 1.0 : clamp((radius - own) / fade, 0.0, 1.0));
+    if (!(through > 0.0)) return 0.0;
+  }
+#endif
   if (RAYS_MEET_BLENDED == 0 && fade == 0.0) mode |= TRACE_ANY;
   while (true) {
     TraceHit hit;

@@ -146,11 +146,7 @@ float trace_coverage(TraceScene s, TraceItem item, uint primitive, float u, floa
   return alpha < materials.m[item.material].alpha_cutoff ? 0.0 : 1.0;
 }
 
-// A point of a triangle, with what is needed to leave it.
-struct TracePoint {
-  vec3 position, normal;  // relative; the normal is unit, towards the glTF front; 0 for a degenerate triangle
-  float error_m;          // a ray that begins this far off along the normal does not meet the triangle again
-};
+#include "lib/trace_point.glsl"
 
 bool trace_on_edge(TraceHit h) { return min(min(h.u, h.v), 1.0 - h.u - h.v) < 1e-5; }
 
@@ -461,7 +457,7 @@ TracePoint trace_point(TraceHit h) {
       p[k] = vec3(dot(i.relative_row[0], vec4(p[k], 1.0)), dot(i.relative_row[1], vec4(p[k], 1.0)),
           dot(i.relative_row[2], vec4(p[k], 1.0)));
   }
-  TracePoint point;
+  TracePoint point = trace_free_point(vec3(0.0), vec3(0.0), 0.0);
   point.position = (1.0 - h.u - h.v) * p[0] + h.u * p[1] + h.v * p[2];
   const vec3 e0 = p[1] - p[0], e1 = p[2] - p[0], e2 = e1 - e0;
   const vec3 n = vec3(difference_of_products(e0.y, e1.z, e0.z, e1.y).high,
@@ -490,9 +486,4 @@ TracePoint trace_point(TraceHit h) {
   point.error_m += relief_error_m;
 #endif
   return point;
-}
-
-vec3 leaving_origin(TracePoint point, vec3 direction) {
-  const float side = dot(direction, point.normal) < 0.0 ? -1.0 : 1.0;
-  return point.position + (side * point.error_m) * point.normal;
 }

@@ -79,6 +79,7 @@ float put_on_relief(TraceScene s, TraceItem item, TraceTriangle triangle, TraceH
   const vec2 at = vec2(h.u, h.v);
   point.position = relief_place(r, vec3(at, h.back != 0u ? 1.0 : relief_height(r, at)));
   if (h.back != 0u) return 0.0;
+  point.relief = h;
   const vec2 slope = relief_slope(r, at, 0.0, 0.0);
   const vec3 leaned = point.normal + relief_lean(r, slope);
   const float size2 = dot(leaned, leaned);

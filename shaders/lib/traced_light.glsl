@@ -45,7 +45,7 @@ void begin_rays(vec3 position, vec3 normal) {
   voxel = find_voxel(pc.rays, VoxelGridRef(pc.rays).g, position, voxel_side(normal));
   voxel_word = no_voxel;
   voxel_normal = normal;
-  rays_from = TracePoint(position, normal, 0.0);
+  rays_from = trace_free_point(position, normal, 0.0);
   rays_side = normal;
   rays_known = -1.0;
   rays_wait = true;

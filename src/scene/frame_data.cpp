@@ -178,11 +178,21 @@ class FrameBuilder {
     });
   }
 
+  // A relief lies below its triangles, up to as far as its floor does.
+  DAabb with_relief(DAabb bounds, const MeshSection& section, const glm::dmat3& linear) const {
+    if (section.material < 0 || !pose_.materials[size_t(section.material)].has_relief()) return bounds;
+    const double depth = pose_.materials[size_t(section.material)].relief.depth;
+    const glm::dvec3 reach = depth * (glm::abs(linear[0]) + glm::abs(linear[1]) + glm::abs(linear[2]));
+    bounds.min -= reach, bounds.max += reach;
+    return bounds;
+  }
+
   DrawItem item_of(size_t n, size_t s, size_t instance, uint32_t transform, const glm::dmat4& relative_from_local,
                    bool mirrored) {
     const uint32_t mesh = uint32_t(scene_.nodes[n].mesh);
     const MeshSection& section = scene_.meshes[mesh].sections[s];
-    const DAabb bounds = drawn_.bounds_of(section, n, deformations_[s], relative_from_local);
+    const DAabb bounds = with_relief(drawn_.bounds_of(section, n, deformations_[s], relative_from_local), section,
+                                     glm::dmat3(relative_from_local));
     DrawItem item;
     item.mesh = mesh;
     item.section = uint32_t(s);

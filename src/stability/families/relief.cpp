@@ -91,8 +91,13 @@ void add_relief(Recipes& all) {
       [] { return wall_alone({.depth = 0.5, .texels = 1, .even = 51.0 / 255}); });
   add("no coordinates", "without texture coordinates", [] { return wall_alone({.uvs = false}); });
   add("inside", "the camera in the layer, the wall's plane behind it", [=] {
+    // Behind the camera: a file holds something.
     return wall_alike(
-        {.depth = 1}, {0, 0, -0.05}, {0.1, 0, -1}, [](GlbWriter&) {}, 0);
+        {.depth = 1}, {0, 0, -0.05}, {0.1, 0, -1},
+        [](GlbWriter& out) {
+          place(out, quad(0.1, 0.1), flat_material(), {0, 0, 5});
+        },
+        0);
   });
 }
 

@@ -37,7 +37,7 @@ StabilityScene finish(GlbWriter& out, glm::dvec3 eye, glm::dvec3 target) {
   camera(out, eye, target, 0.8, 0.001);
   StabilityScene scene = scene_of(out);
   scene.job.settings.push_back({"relief", "steps", "0"});
-  scene.stray_fraction = 0.02;  // outlines of hills, where a place is in or out by rounding
+  scene.stray_fraction = 0.002;  // outlines of hills, where a place is in or out by rounding
   return scene;
 }
 StabilityScene wall_alone(const Wall& wall, glm::dvec3 eye = {0.4, -0.3, 2.6}, glm::dvec3 target = {0, 0, 0}) {

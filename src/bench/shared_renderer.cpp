@@ -73,6 +73,8 @@ Expected<void> SharedRenderer::read_sky(const std::string& sky_file, const std::
   job.scene = scene_.path, job.sky = sky_file, job.look = look_file;
   const auto look = look_of(job);
   if (!look) return std::unexpected(look.error());
+  if (!look->paths.empty() || !look->instances.empty())
+    return fail(ErrorKind::usage, look_file, "its paths and instances make another scene, which is not opened here");
   auto sky = JobSky::read(job, *look, scene_, warnings_);
   if (!sky) return std::unexpected(sky.error());
   sky_ = std::move(*sky), sky_file_ = sky_file, look_file_ = look_file;

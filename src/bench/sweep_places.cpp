@@ -60,14 +60,15 @@ class KnobSweeps {
   }
 
   Expected<void> load_scene_of(const Job& job) {
-    if (job.scene == file_) return {};
+    const std::string files = job.scene + "\n" + job.look;  // whose paths and instances are the scene's
+    if (files == files_) return {};
     auto scene = load_scene(job);
     if (!scene) return std::unexpected(scene.error());
     scene_ = std::move(*scene);
     auto layout = layout_geometry(scene_);
     if (!layout) return std::unexpected(layout.error());
     layout_ = std::move(*layout);
-    file_ = job.scene;
+    files_ = files;
     return {};
   }
 
@@ -199,7 +200,7 @@ class KnobSweeps {
 
   const Suite& whole_;
   SceneStore& store_;
-  std::string file_;
+  std::string files_;
   Scene scene_;
   GeometryLayout layout_;
   JobSky sky_;                                         // of the place at hand

@@ -6,6 +6,7 @@
 #include "base/scratch_folder.h"
 #include "cli/golden_update.h"
 #include "cli/job_options.h"
+#include "job/motion_names.h"
 #include "render/frame_names.h"
 
 namespace candela::cli {
@@ -54,6 +55,8 @@ Expected<Json> manifest_of(const AddOptions& o, const Job& given, const Moment& 
     if (!look) return std::unexpected(look.error());
     job.look = *look;
   }
+  const auto name = [&](const std::string& file) { return named_from(file, home, "--path"); };
+  if (auto named = rename_motion_files(job, name); !named) return std::unexpected(named.error());
   job.scene.clear();
   const Json all = own_json(job_json(job)), plain = own_json(job_json(Job{}));
   Json keys;

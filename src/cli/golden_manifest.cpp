@@ -4,6 +4,7 @@
 #include "base/input.h"
 #include "base/json.h"
 #include "base/text.h"
+#include "job/motion_names.h"
 #include "testscenes/make_scene.h"
 
 namespace candela::cli {
@@ -113,6 +114,13 @@ Expected<GoldenManifest> read_golden(const fs::path& folder, const fs::path& roo
       return fail(ErrorKind::input, file + ": /job/look", "{}", allowed.error().message);
     golden.job.look = look.string();
   }
+  const auto below_root = [&](const std::string& name) -> Expected<std::string> {
+    const fs::path named = root.parent_path() / name;
+    if (auto allowed = check_named_file(named, root.parent_path(), file); !allowed)
+      return fail(ErrorKind::input, file + ": /job", "{}", allowed.error().message);
+    return named.string();
+  };
+  if (auto named = rename_motion_files(golden.job, below_root); !named) return std::unexpected(named.error());
   if (auto checked = check_job(golden.job); !checked)
     return std::unexpected(Error{ErrorKind::input, checked.error().text(), file + ": /job"});
   if (auto good = read_time(j, file, golden); !good) return std::unexpected(good.error());

@@ -74,7 +74,7 @@ TEST(Look, SaysHowLargeLampsAre) {
   const auto look = look_from_json(R"({"lights": {"radius_m": 0.05}})", "l.json");
   ASSERT_TRUE(look) << look.error().text();
   EXPECT_EQ(look->lights.radius_m, 0.05);
-  EXPECT_EQ(switched_on(*look), std::vector<std::string>{"lamps of a size"});
+  EXPECT_EQ(switched_on(*look), std::vector<std::string>{"local lights of a size"});
   EXPECT_EQ(look_from_json("{}", "l.json")->lights.radius_m, 0);
   EXPECT_EQ(look_from_json(R"({"lights": {"radius_m": {"keys": [[0, 0], [2, 1]]}}})", "l.json", 1)->lights.radius_m,
             0.5);

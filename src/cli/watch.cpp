@@ -15,6 +15,7 @@
 #include "cli/result.h"
 #include "cli/scene_notes.h"
 #include "cli/signals.h"
+#include "gltf/losses.h"
 #include "render/frame_names.h"
 #include "render/outputs.h"
 #include "render/picture_distance.h"
@@ -49,6 +50,16 @@ std::string pass_changes(const std::set<std::string>& before, const std::set<std
   const size_t more = words.size() > most ? words.size() - most : 0;
   words.resize(words.size() - more);
   return words.empty() ? "" : fmt::format(" ({}{})", joined(words), more ? fmt::format(" and {} more", more) : "");
+}
+
+// Warnings of textures, surfaces and lights that a picture lacks. Files that are not whole yet lead to such, and no
+// picture of the watch is made worse by them than the one before.
+std::set<std::string> losses_of(const std::vector<std::string>& scene, const std::vector<std::string>& frame) {
+  std::set<std::string> losses;
+  for (const std::vector<std::string>* warnings : {&scene, &frame})
+    for (const std::string& warning : *warnings)
+      if (tells_of_loss(warning)) losses.insert(warning);
+  return losses;
 }
 
 class Watch {
@@ -143,8 +154,8 @@ class Watch {
         joined(changes.names.size() > 4 ? std::vector<std::string>(changes.names.begin(), changes.names.begin() + 4)
                                         : changes.names);
     changes.scene |= behind_.scene, changes.look |= behind_.look, changes.shaders |= behind_.shaders;
-    if (auto read = reread(changes); !read) return refuse(read.error(), std::move(before));
     behind_ = changes;
+    if (auto read = reread(changes); !read) return refuse(read.error(), std::move(before));
     if (auto drawn = draw(begin, what + " changed"); !drawn) return refuse(drawn.error(), std::move(before));
     behind_ = {};
     refused_.clear();
@@ -172,7 +183,10 @@ class Watch {
       if (!in_place) return std::unexpected(in_place.error());
       anew = !*in_place;
     }
-    if (anew) return open();
+    if (anew) {
+      if (auto opened = open(); !opened) return opened;
+      return note_scene(session_->scene(), Strictness::none);
+    }
     if (changes.shaders) session_->reread_shaders();
     return {};
   }
@@ -183,6 +197,10 @@ class Watch {
     std::vector<std::string> warnings;
     for (const std::string& note : frame->notes) said_.note(note);
     if (auto noted = note_frame(*frame, session_->scene(), Strictness::none, warnings); !noted) return noted;
+    std::set<std::string> losses = losses_of(session_->scene().warnings, frame->warnings);
+    if (last_)
+      for (const std::string& loss : losses)
+        if (!losses_.contains(loss)) return fail(ErrorKind::input, "", "{}", loss);
     if (auto written = write_outputs(*frame, job_, *session_, moment_.frame, moment_.rate, paths_); !written)
       return written;
     const double ms = ms_since(begin);
@@ -195,6 +213,7 @@ class Watch {
     say(ms, why, frame->plan.passes.size(), last_ ? pass_changes(passes_, passes) : "", distance);
     last_ = std::move(picture);
     passes_ = std::move(passes);
+    losses_ = std::move(losses);
     return {};
   }
 
@@ -229,7 +248,7 @@ class Watch {
   bool look_once_ = false;
   int pictures_ = 0;
   std::optional<DisplayImage> last_;
-  std::set<std::string> passes_;
+  std::set<std::string> passes_, losses_;  // of the last picture
   FileChanges behind_;   // what the session has read and no picture shows: to be read again with the next change
   std::string refused_;  // why the picture is not that of the files; empty: it is
 };

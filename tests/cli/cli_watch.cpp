@@ -6,6 +6,7 @@
 #include <chrono>
 #include <csignal>
 #include <fstream>
+#include <map>
 #include <thread>
 
 #include "image/io.h"
@@ -19,15 +20,24 @@ namespace fs = std::filesystem;
 // A watch that runs beside the test, on a scene of its own with a look and a path.
 class Watched {
  public:
-  // own_shaders: a copy of the shaders, in the folder `shaders`.
-  explicit Watched(std::vector<std::string> more = {}, bool own_shaders = false, bool look = true) {
-    fs::copy_file(scene("unlit-box"), folder_ / "box.glb");
-    if (look)
+  struct Setup {
+    std::vector<std::string> more;                     // words of the command
+    bool own_shaders = false;                          // a copy of the shaders, in the folder `shaders`
+    bool look = true;                                  // box.look.json, with a path of the camera
+    std::map<std::string, std::string> in_place = {};  // files with box.gltf, instead of box.glb
+  };
+  Watched() : Watched(Setup{}) {}
+  explicit Watched(const Setup& setup) {
+    if (setup.in_place.empty()) fs::copy_file(scene("unlit-box"), folder_ / "box.glb");
+    for (const auto& [name, text] : setup.in_place) write(name, text);
+    if (setup.look)
       write("box.look.json", R"({"exposure": {"ev": 0}, "paths": [{"target": "camera", "points": "eye.txt"}]})");
     write("eye.txt", "0 1 4\n");
-    std::vector<std::string> words = {"watch", folder_ / "box.glb", "-o", picture(), "--size", "32x24", "--validate"};
-    words.insert(words.end(), more.begin(), more.end());
-    if (own_shaders) {
+    std::vector<std::string> words = {
+        "watch",     folder_ / (setup.in_place.empty() ? "box.glb" : "box.gltf"), "-o", picture(), "--size", "32x24",
+        "--validate"};
+    words.insert(words.end(), setup.more.begin(), setup.more.end());
+    if (setup.own_shaders) {
       fs::copy(CANDELA_SOURCE_DIR "/shaders", folder_ / "shaders", fs::copy_options::recursive);
       words.insert(words.end(), {"--shader-dir", folder_ / "shaders"});
     }
@@ -184,7 +194,7 @@ TEST(Watch, MalformedLinesAreSaidAndAnInstancingFileIsRead) {
 }
 
 TEST(Watch, AShaderThatDoesNotCompileSaysWhyAndTheNextOneIsDrawn) {
-  Watched watched({}, true);
+  Watched watched({.more = {}, .own_shaders = true});
   const std::string before = bytes_of(watched.picture());
   const std::string file = watched.file("shaders/tonemap.comp"), text = bytes_of(file);
   std::ofstream(file) << text << "\nthis is no GLSL\n";
@@ -199,11 +209,62 @@ TEST(Watch, AShaderThatDoesNotCompileSaysWhyAndTheNextOneIsDrawn) {
 }
 
 TEST(Watch, ALookThatAppearsBesideTheSceneIsTaken) {
-  Watched watched({}, false, false);
+  Watched watched({.more = {}, .look = false});
   const std::string before = bytes_of(watched.picture());
   watched.replace("box.look.json", look_of(-1));
   ASSERT_TRUE(watched.wait_for("box.look.json changed: "));
   EXPECT_NE(bytes_of(watched.picture()), before);
+}
+
+// A square with a buffer and a texture in files of their own.
+TEST(Watch, BuffersAndTexturesAreOfTheScene) {
+  const auto square = [](float half) {
+    const float values[] = {-1, -1, 0, 1, -half, 0, half, half, 0, -half, 1, 0, 0, 1, 1, 1, 1, 0, 0, 0};
+    const uint16_t index[] = {0, 1, 2, 0, 2, 3};
+    return std::string(reinterpret_cast<const char*>(values), sizeof values) +
+           std::string(reinterpret_cast<const char*>(index), sizeof index);
+  };
+  const std::string text = R"({"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_materials_unlit"],
+    "buffers": [{"uri": "square.bin", "byteLength": 92}], "images": [{"uri": "texture.png"}],
+    "textures": [{"source": 0}], "bufferViews": [{"buffer": 0, "byteLength": 48},
+      {"buffer": 0, "byteOffset": 48, "byteLength": 32}, {"buffer": 0, "byteOffset": 80, "byteLength": 12}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0]},
+      {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"},
+      {"bufferView": 2, "componentType": 5123, "count": 6, "type": "SCALAR"}],
+    "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}, "extensions": {"KHR_materials_unlit": {}}}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}],
+    "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}], "scene": 0})";
+  const auto image = [](const std::string& golden) {
+    return bytes_of(fs::path(CANDELA_SOURCE_DIR) / "golden" / golden / "golden.png");
+  };
+  Watched watched(
+      {.more = {}, .in_place = {{"box.gltf", text}, {"square.bin", square(1)}, {"texture.png", image("alpha")}}});
+  const std::string first = bytes_of(watched.picture());
+  watched.replace("texture.png", image("spheres"));
+  ASSERT_TRUE(watched.wait_for("texture.png changed: "));
+  const std::string textured = bytes_of(watched.picture());
+  EXPECT_NE(textured, first);
+  // Without its texture, or with a part of it, a scene would be drawn with a checker.
+  fs::remove(watched.file("texture.png"));
+  ASSERT_TRUE(watched.wait_for("the last picture stays"));
+  watched.replace("texture.png", image("spheres").substr(0, 500));
+  ASSERT_TRUE(watched.wait_for("the last picture stays"));
+  EXPECT_EQ(bytes_of(watched.picture()), textured);
+  watched.replace("texture.png", image("spheres"));
+  ASSERT_TRUE(watched.wait_for("as it was again"));
+  watched.replace("square.bin", square(0.5f));
+  ASSERT_TRUE(watched.wait_for("square.bin changed: "));
+  const std::string small = bytes_of(watched.picture());
+  EXPECT_NE(small, textured);
+  // What a new scene names may come after it.
+  std::string other = text;
+  other.replace(other.find("texture.png"), 11, "another.png");
+  watched.replace("box.gltf", other);
+  ASSERT_TRUE(watched.wait_for("the last picture stays"));
+  EXPECT_EQ(bytes_of(watched.picture()), small);
+  watched.replace("another.png", image("animated"));
+  ASSERT_TRUE(watched.wait_for("box.gltf changed: "));
+  EXPECT_NE(bytes_of(watched.picture()), small);
 }
 
 TEST(Watch, EndsAsItIsTold) {
@@ -212,7 +273,7 @@ TEST(Watch, EndsAsItIsTold) {
     EXPECT_EQ(watched.end(SIGINT), 130);
   }
   {
-    Watched watched({"--stop-after", "2", "--json"});
+    Watched watched({.more = {"--stop-after", "2", "--json"}});
     watched.write("eye.txt", "0 1 7\n");
     EXPECT_EQ(watched.end(), 0) << watched.said();
     EXPECT_NE(bytes_of(watched.file("out.txt")).find("\"picture\":2"), std::string::npos)

@@ -273,11 +273,13 @@ TEST(Watch, EndsAsItIsTold) {
     EXPECT_EQ(watched.end(SIGINT), 130);
   }
   {
-    Watched watched({.more = {"--stop-after", "2", "--json"}});
+    Watched watched({.more = {"--stop-after", "2", "--json", "--pass-times"}});
     watched.write("eye.txt", "0 1 7\n");
     EXPECT_EQ(watched.end(), 0) << watched.said();
     EXPECT_NE(bytes_of(watched.file("out.txt")).find("\"picture\":2"), std::string::npos)
         << bytes_of(watched.file("out.txt"));
+    EXPECT_NE(bytes_of(watched.file("out.txt")).find("\"gpu_ms\":{"), std::string::npos);
+    EXPECT_NE(watched.said().find("tonemap "), std::string::npos) << watched.said();
   }
   const TestFolder folder;
   EXPECT_EQ(candela({"watch", folder / "none.glb", "-o", folder / "a.png"}).code, 3);

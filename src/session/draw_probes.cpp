@@ -34,7 +34,7 @@ Expected<DecodedImage> draw_probe(const ReflectionProbe& probe, const ProbeKnobs
   double pre_exposure = 1;
   for (int f = 0; f < 6; ++f) {
     const View view = probe_view(probe, f, knobs);
-    context.face = &view;
+    context.face = &view, context.subframe = nullptr;
     auto planned = plan_frame(job, context, WantedOutputs{}, probe.time_s);
     if (!planned) return std::unexpected(planned.error());
     context.rays = planned->rays;

@@ -8,13 +8,14 @@
 
 namespace candela {
 
-// The cheap level of an open shutter: one frame, whose pixels gather along the motion of what is near them (McGuire,
-// Hennessy, Bukowski and Osman, "A Reconstruction Filter for Plausible Motion Blur", 2012). Three steps: the longest
-// motion of each tile, the longest of a tile and its neighbours, and the gather. Linear radiance in and out. Leaves
-// wrong: behind a moving edge it has to invent what the frame does not show; motion is straight and even within the
-// shutter; longer motion than most_px is shortened; shadows, reflections and lights stay sharp; background and blended
-// surfaces have the motion of the surface behind or before them, or none. Subframes are the exact end
-// (subframes.gather=0).
+// The cheap level of an open shutter: one frame, whose pixels gather along the longest motion near them, which is found
+// by tiles (McGuire, Hennessy, Bukowski and Osman, "A Reconstruction Filter for Plausible Motion Blur", 2012). What is
+// met on the way is spread evenly over its own motion, in layers: what passes before the pixel's surface, that surface,
+// and what is behind it (Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014); even
+// straight motion before what stands comes out right. Linear radiance in and out. Leaves wrong: what the frame hides
+// behind moving surfaces is made up of what is beside them; motion that turns or changes within the shutter, or is
+// longer than most_px; shadows, reflections and lights stay sharp; background and blended surfaces have the motion of
+// the surface behind or before them, or none. Subframes are the exact end (subframes.gather=0).
 struct MotionBlur {
   static constexpr std::string_view name = "motion_blur";
   struct Knobs {

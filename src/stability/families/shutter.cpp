@@ -62,11 +62,12 @@ std::function<void(Job&)> shutter(double frames) {
 
 void add_shutter(Recipes& all) {
   add_alike(all, "shutter 0", "no time: the picture without", 0, shutter(0));
-  add_alike(all, "one subframe", "the middle of shutter, lens and pixel: the picture without", 1e-5, [](Job& job) {
-    shutter(1)(job), lens(1.4, "4")(job);
-    job.settings.push_back({"subframes", "n", "1"});
-  });
-  add_alike(all, "f/1e12", "an opening of no width", 1e-5, [](Job& job) {
+  add_alike(all, "one subframe", "the middle of shutter, lens and pixel: the picture without, cut out of a wider one",
+            1e-4, [](Job& job) {
+              shutter(1)(job), lens(1.4, "4")(job);
+              job.settings.push_back({"subframes", "n", "1"});
+            });
+  add_alike(all, "f/1e12", "an opening of no width: likewise", 1e-4, [](Job& job) {
     lens(1e12, "4")(job);
     job.settings.push_back({"subframes", "n", "1"});
   });

@@ -109,7 +109,7 @@ def main():
             name, _, rest = scene.partition("=")
             file, _, moment = rest.partition("@")
             results.append(bench.scene(name, file, float(moment or 0)))
-    version = json.loads(run(options.program, "version", "--json"))
+    version = run(options.program, "--version").strip()
     pathlib.Path(options.json).write_text(json.dumps({"version": version, "size": options.size, "scenes": results},
                                                      indent=1) + "\n")
 

@@ -22,8 +22,9 @@ const std::vector<std::pair<std::string, std::vector<std::string>>>& groups() {
   static const std::vector<std::pair<std::string, std::vector<std::string>>> table = {
       {"Moment", {"frame", "frames", "time", "fps", "animation"}},
       {"Camera",
-       {"camera", "up", "eye", "target", "yfov", "azimuth", "elevation", "fit", "follow", "turntable", "shutter",
-        "fstop", "focus", "sensor", "subframes", "iso"}},
+       {"camera", "up", "eye", "target", "yfov", "azimuth", "elevation", "fit", "follow", "turntable", "camera-path",
+        "shutter", "fstop", "focus", "sensor", "subframes", "iso"}},
+      {"Scene", {"path", "instances"}},
       {"Picture",
        {"output", "size", "view", "layers", "exposure", "tonemap", "background", "exr-type", "exr-compression",
         "png-bits", "no-dither", "metadata-timings", "allow-nonfinite", "dump"}},
@@ -35,7 +36,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>>& groups() {
       {"Tracing",
        {"mode", "spp", "seconds", "noise", "sampler", "bvh", "visibility", "ambient", "ambient-distance", "bounces",
         "fog-steps", "fog-lights", "footprints", "threads", "state"}},
-      {"Measuring", {"timings", "trace", "overlap", "check-determinism"}},
+      {"Measuring", {"timings", "trace", "overlap", "check-determinism", "pass-times", "stop-after"}},
       {"Device", {"device", "allow-cpu", "devices", "queues", "timeout", "validate", "shader-dir"}},
       {"Input", {"allow-path", "decode-budget-mb", "strict", "allow-blank", "config"}},
       {"Messages", {"quiet", "verbose", "log", "json", "dot"}},
@@ -56,6 +57,9 @@ const std::map<std::string, std::string>& examples() {
        "  candela sequence model.glb --turntable 96 --animation none --video turn.mp4\n"
        "  candela sequence scene.glb --frames 0-9999 --shard 3/8 -o 'out/%05d.exr'\n"
        "  candela sequence scene.glb --frames 0-249 -o 'truth/%04d.exr' --technique reference --mode path --spp 256\n"},
+      {"watch",
+       "  candela watch scene.glb -o scene.png --size 640x360\n"
+       "  candela watch scene.glb -o scene.png --shader-dir shaders --pass-times\n"},
       {"slurm",
        "  candela farm slurm scene.glb --frames 0-9999 -o 'out/%04d.exr' --video film.mp4 --gpus 1 --submit\n"
        "  candela farm status scene.farm\n"},
@@ -91,6 +95,8 @@ const std::map<std::string, std::vector<std::string>>& brief_options() {
         "exposure", "quality", "resume", "shard", "device"}},
       {"reference",
        {"output", "mode", "spp", "noise", "frame", "camera", "fit", "size", "sky", "look", "layers", "resume"}},
+      {"watch",
+       {"output", "frame", "time", "camera", "fit", "size", "sky", "look", "shader-dir", "pass-times", "device"}},
       {"plan", {"frame", "camera", "size", "technique", "quality", "effects", "json", "dot"}},
       {"facts", {"frame", "animation", "camera", "json"}},
       {"tune", {"seconds", "size", "frame", "camera", "sky", "look"}},

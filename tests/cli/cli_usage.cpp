@@ -85,7 +85,7 @@ TEST(Help, FactsTakesWhatDecidesThem) {
 
 // Long lists are found by group; what is left in the first is the help alone.
 TEST(Help, OptionsStandInGroupsWithExamplesBelow) {
-  for (const char* command : {"render", "sequence", "reference", "plan"}) {
+  for (const char* command : {"render", "sequence", "reference", "plan", "watch"}) {
     const std::string help = candela({command, "--help"}).out;
     for (const char* group : {"\nMoment:\n", "\nCamera:\n", "\nPicture:\n", "\nLight and look:\n", "\nExamples:\n"})
       EXPECT_TRUE(contains(help, group)) << command << group;

@@ -33,6 +33,31 @@ TEST_F(FrameRefraction, ASheetTintsWhatIsBehind) {
   }
 }
 
+// The copy of the next lower power of two alone: even colours stay, edges behind a clear sheet are as wide as its
+// texels, and where the picture's sides are powers of two its copy is the picture.
+TEST_F(FrameRefraction, TheCopyInAPowerOfTwoIsTheCoarserPicture) {
+  GltfBuilder b = dark();
+  add_wall(b);
+  add_sheet(b, unlit_material(0, 0, 0), 0.25f, {0, 0, -0.2});
+  add_sheet(b, glass_material({.color = {0.9, 0.5, 0.1}}), 0.6f);
+  for (const int samples : {1, 4}) {
+    Job job = seen(b, samples);
+    const auto with = [&](const char* full, int w, int h) {
+      job.settings = {{"refraction", "samples", "0"}, {"refraction", "full_size", full}};
+      job.width_px = w, job.height_px = h;
+      return images_of(job)["beauty"];
+    };
+    const Image whole = with("1", 60, 44), copy = with("0", 60, 44);
+    double most = 0;
+    for (int y = 0; y < 44; ++y)
+      for (int x = 0; x < 60; ++x)
+        most = std::max(most, double(glm::length(whole.at<glm::vec4>(x, y) - copy.at<glm::vec4>(x, y))));
+    EXPECT_GT(most, 0.02);
+    EXPECT_EQ(whole.at<glm::vec4>(3, 3), copy.at<glm::vec4>(3, 3));
+    EXPECT_TRUE(with("1", 64, 32) == with("0", 64, 32));
+  }
+}
+
 // A blended sheet lets light through where its alpha covers, and beside that shows what is behind as it is; by either
 // method, and in the terms, and where refraction is not wanted it is a blended surface like others.
 TEST_F(FrameRefraction, ABlendedSheetCoversByItsAlpha) {

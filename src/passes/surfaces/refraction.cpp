@@ -48,6 +48,15 @@ std::span<const Knob> RefractionKnobs::table() {
            "roughness from which a surface looks up the picture all the same; more takes rough ones for smooth",
        .sweep = {0.4, 0.2, 0.1, 0.045},
        .required = "refraction.method=traced"},
+      {.name = "full_size",
+       .member = &RefractionKnobs::full_size,
+       .lowest = 0,
+       .highest = 1,
+       .levels = {1},
+       .description =
+           "1: sharp surfaces look up the picture behind itself; 0: its copy of the next lower power of two, "
+           "the first of its levels, which saves an image of the picture's size",
+       .sweep = {0, 1}},
   };
   return table;
 }
@@ -60,6 +69,7 @@ Need Refraction::needed(const SceneFacts& facts, const FrameRequest& request) co
 }
 
 bool Refraction::ignores(std::string_view knob) const {
+  if (knob == "full_size") return knobs.full_size != 0;  // what is always there is no choice of the plan's
   return knobs.method == Knobs::screen && (knob == "walls" || knob == "roughest");
 }
 
@@ -130,7 +140,7 @@ Refraction::Out Refraction::declare(GraphBuilder& builder, const In& in) const {
   out.down = builder.pipeline(ComputePipelineDesc{"refraction_down.comp", {}});
   out.seen = {.picture = in.picture, .behind = in.behind, .lobe_samples = uint32_t(knobs.samples)};
   // Not the image that is drawn to.
-  if (scene.samples == 1) {
+  if (scene.samples == 1 && knobs.full_size != 0) {
     builder.begin_step();
     builder.read(in.picture, Access::sampled_compute, "the picture behind");
     out.seen.picture =
@@ -138,6 +148,7 @@ Refraction::Out Refraction::declare(GraphBuilder& builder, const In& in) const {
                       Access::storage_image_write);
   }
   out.seen.pyramid = declare_pyramid(builder, scene, out.seen.picture, "refraction.pyramid");
+  if (knobs.full_size == 0) out.seen.picture = out.seen.pyramid;
   if (knobs.method == Knobs::by_rays) declare_rays(builder, in, out);
   if (in.bodies && knobs.backs > 0) declare_bodies(builder, in, out);
   builder.begin_step();
@@ -162,7 +173,7 @@ Refraction::Out Refraction::declare(GraphBuilder& builder, const In& in) const {
 
 void Refraction::record(CommandList& commands, const In& in, const Out& out) const {
   const glm::uvec2 size(in.scene.width_px, in.scene.height_px);
-  const uint32_t copies = in.scene.samples == 1 ? 1 : 0, step = commands.step();
+  const uint32_t copies = in.scene.samples == 1 && knobs.full_size != 0 ? 1 : 0, step = commands.step();
   if (step < copies) {
     commands.bind(out.down);
     commands.push(
@@ -171,7 +182,8 @@ void Refraction::record(CommandList& commands, const In& in, const Out& out) con
     return;
   }
   if (step < copies + pyramid_levels(in.scene)) {
-    record_level(commands, out.down, out.seen.picture, out.seen.pyramid, size, step - copies);
+    record_level(commands, out.down, knobs.full_size != 0 ? out.seen.picture : in.picture, out.seen.pyramid, size,
+                 step - copies);
     return;
   }
   uint32_t next = copies + pyramid_levels(in.scene);

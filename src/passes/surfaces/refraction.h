@@ -17,6 +17,7 @@ struct RefractionKnobs : ScreenOrRays {
   int walls = 8;
   int backs = 3;
   float roughest = 0.1f;
+  int full_size = 1;
   static std::span<const Knob> table();
 };
 

@@ -15,7 +15,7 @@ std::span<const Knob> MetaballKnobs::table() {
            "side of the lattice's cells, in units of what the scene says; half of it leaves a quarter of the "
            "error and takes eight times the field",
        .kind = Trades::error,
-       .sweep = {4, 2, 1, 0.5}},
+       .sweep = {4, 2, 1, 0.5, 0.25}},
   };
   return table;
 }

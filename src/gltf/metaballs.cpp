@@ -103,6 +103,7 @@ void import_metaballs(Document& document, Scene& scene) {
       document.refuse(reader.path(), "the node has a mesh too; put one of them on a child (VALUE_NOT_IN_LIST)");
     Metaballs body = reader.read(*extended);
     const int material = index_of(document, *extended, "material", scene.materials.size(), reader.path());
+    document.charge(3 * size_t(metaball_chunk_triangles), sizeof(uint32_t), reader.path());
     Mesh mesh;
     mesh.name = scene.nodes[n].name;
     mesh.sections.push_back(chunk_section(body, int(scene.metaballs.size()), material, reader.path()));

@@ -180,8 +180,10 @@ class FrameBuilder {
 
   // A relief lies below its triangles, up to as far as its floor does.
   DAabb with_relief(DAabb bounds, const MeshSection& section, const glm::dmat3& linear) const {
-    if (section.material < 0 || !pose_.materials[size_t(section.material)].has_relief()) return bounds;
-    const double depth = pose_.materials[size_t(section.material)].relief.depth;
+    const size_t material = size_t(std::max(section.material, 0));
+    if (section.material < 0 || material >= pose_.materials.size() || !pose_.materials[material].has_relief())
+      return bounds;
+    const double depth = pose_.materials[material].relief.depth;
     const glm::dvec3 reach = depth * (glm::abs(linear[0]) + glm::abs(linear[1]) + glm::abs(linear[2]));
     bounds.min -= reach, bounds.max += reach;
     return bounds;

@@ -30,7 +30,8 @@ TEST(Stability, HasScenesOfUniqueNames) {
   EXPECT_EQ(families, (std::set<std::string>{
                           "depth",    "worlds",    "lights",     "materials",    "lobes",  "glass",   "transparency",
                           "textures", "geometry",  "animation",  "tone",         "images", "fog",     "skies",
-                          "sides",    "occlusion", "far-lights", "deep-shadows", "bodies", "mirrors", "metaballs"}));
+                           "sides",    "occlusion", "far-lights", "deep-shadows", "bodies", "mirrors", "metaballs",
+                           "relief",   "shutter"}));
 }
 
 TEST(Stability, ScenesFollowFromTheSeed) {

@@ -71,7 +71,7 @@ def read_depth(path):
             x0, y0, x1, y1 = struct.unpack("<4i", value)
     width, height = x1 - x0 + 1, y1 - y0 + 1
     offsets = struct.unpack_from(f"<{height}Q", data, at + 1)
-    rows = []
+    rows, device = [], None
     for offset in offsets:
         here = offset + 8
         for name, kind in channels:
@@ -88,7 +88,7 @@ def main():
     parser.add_argument("--program", default="build/release/candela")
     parser.add_argument("--size", default="320x240")
     options = parser.parse_args()
-    rows = []
+    rows, device = [], None
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         scene = folder / "relief.glb"
@@ -116,7 +116,9 @@ def main():
                         timings = folder / "timings.json"
                         timings.unlink(missing_ok=True)
                         depth = run("render", name, "--quality", "high", "--effects", "none", *knobs, "--timings", timings)
-                        times.append(json.loads(timings.read_text())["gpu_frame_ms"])
+                        told = json.loads(timings.read_text())
+                        times.append(told["gpu_frame_ms"])
+                        device = told["device"]
                     both = one = missed = 0
                     squares = 0.0
                     for pixel, (z, t) in enumerate(zip(depth, truth)):
@@ -139,7 +141,7 @@ def main():
                                  "ms": round(statistics.median(times), 2)})
                     print(rows[-1])
     version = subprocess.run([options.program, "--version"], capture_output=True, text=True).stdout.strip()
-    report = {"what": "depth of reliefs against the reference (bench/relief.py)", "version": version,
+    report = {"what": "depth of reliefs against the reference (bench/relief.py)", "version": version, "device": device,
               "size": options.size, "layer_depth_m": DEPTH_M, "rows": rows}
     pathlib.Path(options.json).write_text(json.dumps(report, indent=1) + "\n")
 

@@ -1,6 +1,6 @@
 // A material's values (shared/scene.h) in 64-bit words. llvmpipe gathers words lane by lane, of either width: pairs
 // halve their number. What a shader does not use of it is not read.
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer MaterialWordsRef { uint64_t w[50]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer MaterialWordsRef { uint64_t w[45]; };
 uvec2 material_word(MaterialWordsRef r, uint at) { return unpackUint2x32(r.w[at]); }
 vec2 material_pair(MaterialWordsRef r, uint at) { return uintBitsToFloat(material_word(r, at)); }
 TextureRef material_texture(MaterialWordsRef r, uint at) {
@@ -9,7 +9,7 @@ TextureRef material_texture(MaterialWordsRef r, uint at) {
   return TextureRef(image.x, image.y, uv_set.x, uv_set.y, vec3(a, b.x), vec3(b.y, c));
 }
 Material load_material(uint i) {
-  MaterialWordsRef r = MaterialWordsRef(frame.materials + 400ul * uint64_t(i));
+  MaterialWordsRef r = MaterialWordsRef(frame.materials + 360ul * uint64_t(i));
   Material m;
   m.base_color = vec4(material_pair(r, 0u), material_pair(r, 1u));
   const vec2 emissive_b = material_pair(r, 3u), width = material_pair(r, 4u), strength = material_pair(r, 5u);
@@ -26,7 +26,7 @@ Material load_material(uint i) {
   m.flags = kind.x;
   m.id = kind.y;
   m.specular_color = vec3(material_pair(r, 8u), specular_b.x);
-  m.relief_depth = specular_b.y;
+  m.relief = floatBitsToUint(specular_b.y);
   m.base_texture = material_texture(r, 10u);
   m.orm_texture = material_texture(r, 15u);
   m.occlusion_texture = material_texture(r, 20u);
@@ -34,6 +34,5 @@ Material load_material(uint i) {
   m.emissive_texture = material_texture(r, 30u);
   m.specular_texture = material_texture(r, 35u);
   m.specular_color_texture = material_texture(r, 40u);
-  m.relief_texture = material_texture(r, 45u);
   return m;
 }

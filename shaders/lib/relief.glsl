@@ -25,6 +25,18 @@ struct ReliefMet {
 };
 const ReliefMet RELIEF_MISSED = ReliefMet(false, vec3(0.0));
 
+// relief: of a material.
+ReliefRecord relief_record(uint relief) {
+  return ReliefRecordRef(frame.materials + 360ul * uint64_t(relief)).r;
+}
+void take_heights(ReliefRecord record, inout Relief r) {
+  r.heights = record.heights.texture;
+  r.sampler_index = record.heights.sampler_index;
+  r.wraps = record.heights.wraps;
+  r.u_row = record.heights.u_row;
+  r.v_row = record.heights.v_row;
+}
+
 vec3 relief_place(Relief r, vec3 at) { return r.corner + at.x * r.e1 + at.y * r.e2 + at.z * r.below; }
 vec2 relief_texture_uv(Relief r, vec2 weights) {
   const vec3 uv = vec3(r.uv + weights.x * r.uv1 + weights.y * r.uv2, 1.0);

@@ -3,6 +3,7 @@
 
 // v: its vertices; p: its corners, in the space of the result.
 Relief triangle_relief(Item item, Geometry g, uvec3 v, vec3 p[3], Material m) {
+  const ReliefRecord record = relief_record(m.relief);
   Relief r;
   r.corner = p[0];
   r.e1 = p[1] - p[0];
@@ -10,8 +11,8 @@ Relief triangle_relief(Item item, Geometry g, uvec3 v, vec3 p[3], Material m) {
   vec3 local[3];
   for (int i = 0; i < 3; ++i) local[i] = load3(deformable_base(g), g.position + 3u * v[i]);
   const vec3 front = normalize_or(cross(local[1] - local[0], local[2] - local[0]), vec3(0.0));
-  r.below = transform_vector(TransformsRef(frame.transforms).t[item.transform], -m.relief_depth * front);
-  const bool second = m.relief_texture.uv_set == 1u;
+  r.below = transform_vector(TransformsRef(frame.transforms).t[item.transform], -record.depth * front);
+  const bool second = record.heights.uv_set == 1u;
   const uint at = second ? g.uv1 : g.uv0;
   r.uv = r.uv1 = r.uv2 = r.least = r.most = vec2(0.0);
   r.ends = (m.flags & material_relief_ends) != 0u && at != absent;
@@ -22,11 +23,7 @@ Relief triangle_relief(Item item, Geometry g, uvec3 v, vec3 p[3], Material m) {
     r.least = load2(frame.vertices, at - 4u);
     r.most = load2(frame.vertices, at - 2u);
   }
-  r.heights = m.relief_texture.texture;
-  r.sampler_index = m.relief_texture.sampler_index;
-  r.wraps = m.relief_texture.wraps;
-  r.u_row = m.relief_texture.u_row;
-  r.v_row = m.relief_texture.v_row;
+  take_heights(record, r);
   return r;
 }
 

@@ -31,7 +31,7 @@ HitPoint hit_point(TraceHit hit, TraceRay along, float pixel_m, float cone) {
   h.material = item.material;
   h.m = load_material(item.material);
 #ifdef RELIEFS
-  if (h.m.relief_depth > 0.0) {
+  if (h.m.relief != 0u) {
     // The ray knows where it met the relief.
     const Relief r = triangle_relief(item, g, corners.v, corners.p, h.m);
     const vec2 at = vec2(hit.u, hit.v);

@@ -16,12 +16,7 @@ Relief trace_relief_of(TraceScene s, TraceItem item, TraceTriangle triangle, uin
   r.least = bounds.uv[0];
   r.most = bounds.uv[1];
   r.ends = bounds.alpha.x != 0.0;
-  MaterialsRef materials = MaterialsRef(frame.materials);
-  r.heights = materials.m[item.material].relief_texture.texture;
-  r.sampler_index = materials.m[item.material].relief_texture.sampler_index;
-  r.wraps = materials.m[item.material].relief_texture.wraps;
-  r.u_row = materials.m[item.material].relief_texture.u_row;
-  r.v_row = materials.m[item.material].relief_texture.v_row;
+  take_heights(relief_record(MaterialsRef(frame.materials).m[item.material].relief), r);
   return r;
 }
 // A hit of such a triangle becomes that of its relief, as the reference has it (World::meet_relief): below the

@@ -62,9 +62,14 @@ struct Material {
   uint flags;
   uint id;  // glTF material index, absent for the default material
   vec3 specular_color;
-  float relief_depth;  // in the mesh's space; 0: no relief
+  uint relief;  // place of its ReliefRecord among the materials; 0: no relief
   TextureRef base_texture, orm_texture, occlusion_texture, normal_texture, emissive_texture, specular_texture,
-      specular_color_texture, relief_texture;
+      specular_color_texture;
+};
+// Of a material's relief; it takes the place of a material, behind all of them.
+struct ReliefRecord {
+  TextureRef heights;
+  float depth;  // in the mesh's space
 };
 
 // A punctual light in relative space. Spot factor (KHR_lights_punctual): saturate(spot_offset - e2 * spot_scale)^2,
@@ -132,7 +137,8 @@ enum : uint { wrap_repeat = 0, wrap_clamp = 1, wrap_mirror = 2 };
 enum : uint { light_directional = 0, light_point = 1, light_spot = 2, light_stand_in = 3 };
 static_assert(sizeof(Transform) == 48 && sizeof(Place) == 24 && sizeof(Geometry) == 28 && sizeof(Item) == 48 &&
               sizeof(TextureRef) == 40);
-static_assert(sizeof(Material) == 80 + 8 * 40 && offsetof(Material, base_texture) == 80);
+static_assert(sizeof(Material) == 80 + 7 * 40 && offsetof(Material, base_texture) == 80);
+static_assert(sizeof(ReliefRecord) <= sizeof(Material));
 static_assert(sizeof(Light) == 64 && offsetof(Light, direction) == 16 && offsetof(Light, spot_scale) == 32 &&
               offsetof(Light, intensity) == 40);
 static_assert(offsetof(FrameConstants, pre_exposure) == 424 && offsetof(FrameConstants, grid) == 432 &&
@@ -154,6 +160,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Wor
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer GeometriesRef { Geometry g[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ItemsRef { Item i[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MaterialsRef { Material m[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ReliefRecordRef { ReliefRecord r; };
 layout(buffer_reference, scalar, buffer_reference_align = 64) readonly buffer LightRef { uint64_t w[8]; };  // a Light
 #endif
 

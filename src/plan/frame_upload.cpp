@@ -208,7 +208,6 @@ shared::Material shared_material(const Material& m, uint32_t id) {
   out.ior_f0 = ratio * ratio;
   out.specular_color = m.specular_color;
   out.id = id;
-  if (m.has_relief()) out.relief_depth = m.relief.depth;
   out.flags = (m.alpha_mode == AlphaMode::mask ? shared::material_masked : 0u) |
               (m.alpha_mode == AlphaMode::blend ? shared::material_blended : 0u) |
               (m.double_sided ? shared::material_double_sided : 0u) | (m.unlit ? shared::material_unlit : 0u) |
@@ -350,6 +349,11 @@ FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& 
   for (size_t m = 0; m < pose.materials.size(); ++m)
     upload.materials.push_back(shared_material(pose.materials[m], uint32_t(m)));
   upload.materials.push_back(shared_material(scene.default_material, shared::absent));
+  for (size_t m = 0; m < pose.materials.size(); ++m) {
+    if (!pose.materials[m].has_relief()) continue;
+    upload.materials[m].relief = uint32_t(upload.materials.size());
+    upload.materials.emplace_back();  // a ReliefRecord, filled in by GpuScene
+  }
   upload.lobes = lobe_table(scene, pose.materials, data, draws);
   for (const LightItem& l : data.lights) upload.lights.push_back(shared_light(l));
   if (request.has_layer("crypto_object")) upload.object_mattes = matte_ids(node_names(scene));

@@ -204,12 +204,6 @@ void GpuScene::set_textures(const Material& m, shared::Material& out) const {
   out.emissive_texture = texture_ref(m.emissive_texture, true);
   out.specular_texture = texture_ref(m.specular_texture, false);
   out.specular_color_texture = texture_ref(m.specular_color_texture, true);
-  if (!m.has_relief()) return;
-  out.relief_texture = texture_ref(m.relief.texture, false);
-  const Sampler& sampler = scene_.samplers[size_t(m.relief.texture.sampler)];
-  static_assert(uint32_t(Wrap::repeat) == shared::wrap_repeat && uint32_t(Wrap::clamp) == shared::wrap_clamp &&
-                uint32_t(Wrap::mirror) == shared::wrap_mirror);
-  out.relief_texture.wraps = uint32_t(sampler.wrap_u) | uint32_t(sampler.wrap_v) << 2;
 }
 
 void GpuScene::set_lobe_textures(const Material& m, shared::MaterialLobes& out) const {
@@ -305,6 +299,16 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
   uploaded.keep.push_back(own);
   for (size_t m = 0; m < frame.upload.materials.size(); ++m)
     set_textures(m < frame.pose.materials.size() ? frame.pose.materials[m] : Material{}, frame.upload.materials[m]);
+  for (size_t m = 0; m < frame.pose.materials.size(); ++m) {
+    const Relief& relief = frame.pose.materials[m].relief;
+    if (frame.upload.materials[m].relief == 0) continue;
+    const Sampler& sampler = scene_.samplers[size_t(relief.texture.sampler)];
+    static_assert(uint32_t(Wrap::repeat) == shared::wrap_repeat && uint32_t(Wrap::clamp) == shared::wrap_clamp &&
+                  uint32_t(Wrap::mirror) == shared::wrap_mirror);
+    shared::ReliefRecord record{texture_ref(relief.texture, false), relief.depth};
+    record.heights.wraps = uint32_t(sampler.wrap_u) | uint32_t(sampler.wrap_v) << 2;
+    std::memcpy(static_cast<void*>(&frame.upload.materials[frame.upload.materials[m].relief]), &record, sizeof record);
+  }
   for (size_t m = 0; m < frame.pose.materials.size() && !frame.upload.lobes.empty(); ++m) {
     const uint32_t word = frame.upload.lobes[m];
     if (word == shared::absent) continue;

@@ -8,7 +8,7 @@ std::span<const Knob> ReliefKnobs::table() {
        .member = &ReliefKnobs::steps,
        .lowest = 0,
        .highest = 1024,
-       .levels = {16, 32, 0, 0},
+       .levels = {32, 0, 0, 0},
        .description =
            "even steps in depth by which a ray looks for the relief below it; what is narrower than a step may be "
            "missed, at grazing angles the most. 0: texel by texel, exactly",

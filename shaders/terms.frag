@@ -53,6 +53,13 @@ TERM_OUTPUT(REFLECTIONS) vec4 out_reflections;
 #if defined(DIRECT_SUN) || defined(DIRECT_POINT) || defined(DIRECT_SPOT)
 #define ANY_DIRECT
 #endif
+#ifdef LIGHT_GROUPS  // the light of so many groups of lights, from FIRST_GROUP on
+TERM_OUTPUT(0) vec4 out_groups[LIGHT_GROUPS];
+// Groups' numbers stand behind the lights.
+uint group_of_light(uint light) {
+  return ConstUintsRef(pc.lights + 64ul * uint64_t(frame.light_count)).u[light];
+}
+#endif
 
 uint light_kind(LightRef light) { return floatBitsToUint(light_word(light, 3u).y); }
 
@@ -151,6 +158,23 @@ void main() {
 #endif
 #ifdef DIRECT_SPOT
   out_direct_spot = covering(spot, coverage);
+#endif
+#ifdef LIGHT_GROUPS
+  precise vec3 of_group[LIGHT_GROUPS];
+  for (int i = 0; i < LIGHT_GROUPS; ++i) of_group[i] = vec3(0.0);
+  if (HAS_LIGHTS != 0 && IS_UNLIT == 0) {
+    for (LightWalk w = begin_lights(v.relative_position); next_light(w);) {
+      LightRef light = light_at(pc.lights, w.light);
+      vec3 reaching = light_reaching(light, w.light, brdf, v.relative_position, surface_point, plane_normal);
+#ifdef FOG
+      if (reaching != vec3(0.0)) reaching *= fog_light_through(light, v.relative_position);
+#endif
+      const int group = int(group_of_light(w.light)) - FIRST_GROUP;
+      for (int i = 0; i < LIGHT_GROUPS; ++i)
+        if (i == group) of_group[i] += reaching;
+    }
+  }
+  for (int i = 0; i < LIGHT_GROUPS; ++i) out_groups[i] = covering(of_group[i], coverage);
 #endif
 #if defined(BACKGROUND) && defined(REFRACTION)
 #ifdef FOG

@@ -60,6 +60,12 @@ void add_window_options(CLI::App& command, JobOptions& o) {
       .add_option("--overscan", o.overscan,
                   "The picture reaches beyond its size on each side: by pixels, or by a percentage of width and height")
       ->type_name("PX|P%");
+  command
+      .add_option("--light-groups", o.light_groups,
+                  "The light of lights at these nodes as EXR layer light_NAME, that of all others as light_rest; * "
+                  "stands for any letters; may be given again")
+      ->allow_extra_args(false)
+      ->type_name("NAME=NODE,...");
 }
 
 void add_effect_options(CLI::App& command, JobOptions& o) {
@@ -148,7 +154,7 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   command.add_option("--size", o.size, "Size of the image in pixels, or 720p, 1080p, 1440p, 4k or 8k")
       ->capture_default_str()
       ->type_name("WxH");
-  if (renderer == Renderer::gpu) add_window_options(command, o);
+  if (renderer != Renderer::none) add_window_options(command, o);
   if (renderer == Renderer::gpu) add_technique_options(command, o);
   if (renderer != Renderer::reference) add_effect_options(command, o);
   command
@@ -343,6 +349,11 @@ Expected<void> read_texts(const JobOptions& o, Job& job) {
     const auto overscan = parse_overscan(o.overscan);
     if (!overscan) return std::unexpected(Error{ErrorKind::usage, overscan.error().message, "--overscan"});
     job.overscan = *overscan;
+  }
+  for (const std::string& text : o.light_groups) {
+    const auto group = parse_light_group(text);
+    if (!group) return std::unexpected(Error{ErrorKind::usage, group.error().message, "--light-groups"});
+    job.light_groups.push_back(*group);
   }
   const auto eye = parse_point("--eye", o.eye), target = parse_point("--target", o.target);
   if (!eye) return std::unexpected(eye.error());

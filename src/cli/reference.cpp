@@ -177,6 +177,7 @@ Expected<Traced> trace(const ReferencePlan& plan, const ReferenceOptions& o, con
   if (o.resume && fs::exists(o.state, failed)) {
     auto loaded = reference::Film::load(o.state, identity, film.width(), film.height(), parts);
     if (!loaded) return std::unexpected(loaded.error());
+    loaded->place_in(film.picture(), film.corner());
     film = std::move(*loaded);
     log::info("goes on after {} samples a pixel", film.samples());
   }
@@ -237,6 +238,9 @@ Expected<int> run_reference(CLI::App& command, ReferenceOptions& o) {
   for (const std::string& warning : (*frame)->warnings) log::warning("{}", warning);
   if (strictness(o.job.strict) == Strictness::all && !(*frame)->warnings.empty())
     return fail(ErrorKind::input, plan->job.scene, "--strict refuses the scene: {}", (*frame)->warnings.front());
+  const bool any_png =
+      std::ranges::any_of(plan->paths, [](const fs::path& path) { return *output_format(path) == OutputFormat::png; });
+  if (auto fine = check_metering(plan->job, (*frame)->look, any_png); !fine) return std::unexpected(fine.error());
   HeldSignals held;
   const double start_us = process_clock_us();
   const auto traced = trace(*plan, o, **frame, held.pending());

@@ -4,6 +4,7 @@
 #include "job/dump_request.h"
 #include "job/frame_choices.h"
 #include "job/job.h"
+#include "job/light_groups.h"
 #include "job/picture_window.h"
 #include "scene/cut_outs.h"
 #include "scene/probe.h"
@@ -143,6 +144,7 @@ Expected<void> check_job(const Job& job) {
   for (const std::string& layer : job.layers)
     if (layer != all_layers)
       if (auto known = check_name("--layers", "layer", layer, layer_names()); !known) return known;
+  if (auto good = check_light_groups(job.light_groups); !good) return good;
   if (auto good = check_compression(job.layers, job.exr_compression); !good) return good;
   if (auto good = parse_background(job.background); !good) return std::unexpected(good.error());
   return check_settings(job);

@@ -8,6 +8,7 @@
 #include "job/choose_occlusion.h"
 #include "job/choose_transparency.h"
 #include "job/job_look.h"
+#include "job/light_groups.h"
 #include "job/picture_window.h"
 #include "passes/post/resolve.h"
 #include "passes/post/supersample.h"
@@ -40,6 +41,8 @@ FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedO
   if (!image_of_view(job.view)) request.view = job.view;
   request.view_is_light = layer_form(request.view) == LayerForm::light;
   request.view_alone = wanted.display && request.view != "beauty" && !request.has_layer(request.view);
+  if (wanted.linear) request.light_groups = light_group_layers(job);
+  request.layers.insert(request.layers.end(), request.light_groups.begin(), request.light_groups.end());
   if (request.view_alone) request.layers.push_back(request.view);
   request.technique = job.technique;
   request.open_sides = job.sides == "open";

@@ -14,12 +14,13 @@
 namespace candela {
 namespace {
 
-// The host looks at each light where it chooses lamps for shadow maps, and where it measures the air that lights reach.
+// The host looks at each light where it is of a named group, it chooses lamps for shadow maps, and where it measures
+// the air that lights reach.
 bool poses_lights_on_device(const FrameRequest& request, const KnobValues& knobs, bool is_cpu, uint32_t instances) {
   const LampKnobs& lamps = knobs.get<LampKnobs>();
   const bool maps = request.wants_true(DepthViews::effect) && !lamps.traced() && lamps.lights != LampKnobs::none;
   return knobs.get<PoseLights::Knobs>().on_device(is_cpu, instances) && !maps && !request.draws_fog() &&
-         !request.draws_volumetric();
+         !request.draws_volumetric() && request.light_groups.empty();
 }
 
 // What looks at each item on the host: trees for rays, and the time before.

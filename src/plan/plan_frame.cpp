@@ -1,6 +1,7 @@
 #include "plan/plan_frame.h"
 
 #include <bit>
+#include <cstring>
 
 #include "base/text.h"
 #include "job/not_drawn.h"
@@ -149,7 +150,8 @@ void leave_out_others(GraphBuilder& builder, SubframePart::Role role, std::strin
 
 // What later stages decided of what the first packed: whose light has which shadow, the lists' grid, fog, and where
 // what is drawn stands for rays.
-void complete_upload(const LitFrame& lit, const TracedFrame& traced, double least_light_m, PackedFrame& packed) {
+void complete_upload(const SurveyedFrame& frame, const LitFrame& lit, const TracedFrame& traced, double least_light_m,
+                     PackedFrame& packed) {
   FrameUpload& upload = packed.upload;
   upload.constants.grid = lit.light_grid.constants;
   if (lit.fog) upload.constants.fog = *lit.fog;
@@ -160,6 +162,11 @@ void complete_upload(const LitFrame& lit, const TracedFrame& traced, double leas
   for (size_t i = 0; i < lit.lamps.lights.size(); ++i)
     upload.lights[lit.lamps.lights[i]].shadow = shared::lamp_shadow_bit | uint32_t(i + 1);
   if (traced.rays && traced.traced.surfaces) add_drawn_items(packed.draws, upload);
+  // Groups stand behind the lights (shaders/terms.frag).
+  if (const std::vector<uint32_t>& groups = frame.light_group_of; !groups.empty()) {
+    upload.lights.resize(groups.size() + (groups.size() * sizeof(uint32_t) - 1) / sizeof(shared::Light) + 1);
+    std::memcpy(upload.lights.data() + groups.size(), groups.data(), groups.size() * sizeof(uint32_t));
+  }
 }
 
 // The camera's culling planes are those of the part alone, and a margin for the samples of its pixels.
@@ -248,7 +255,7 @@ Expected<PlannedFrame> plan_one(const Job& job, const PlanContext& context, cons
   TracedFrame traced = trace_frame(*asked, *frame, *packed, *lit, context);
 
   clock.begin("plan");
-  complete_upload(*lit, traced, context.layout.least_light_distance_m, *packed);
+  complete_upload(*frame, *lit, traced, context.layout.least_light_distance_m, *packed);
   const auto parts = picture_parts(frame->facts, frame->request, asked->knobs, frame->notes);
   if (parts) cull_beyond(parts->seen, frame->view, frame->request, packed->upload);
   PlannedFrame f{std::move(*frame), std::move(*packed), std::move(*lit), std::move(traced)};

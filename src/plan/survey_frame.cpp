@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "base/names.h"
+#include "job/light_groups.h"
 #include "passes/geometry/metaballs.h"
 #include "passes/occlusion/occlusion.h"
 #include "passes/shadows/sun_knobs.h"
@@ -39,6 +40,10 @@ Expected<void> check_divided(SurveyedFrame& f) {
                     "method {} (--transparency)",
                     Transparent::method));
   }
+  if (!f.request.light_groups.empty())
+    return fail(ErrorKind::usage, "--light-groups",
+                "are parts of beauty, which --transparency {} does not divide; take --transparency layers or sorted",
+                f.request.transparency);
   for (const LayerName& part : parts)
     if (f.request.has_layer(part.name))
       return fail(ErrorKind::usage, "--layers",
@@ -102,6 +107,11 @@ Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext&
   f.pose = std::move(posed->pose), f.view = std::move(posed->view), f.data = std::move(posed->data);
   if (f.request.part.role == SubframePart::Role::subframe) widen(posed->window, f.request);
   if (const auto& paths = context.scene.paths) f.notes.insert(f.notes.end(), paths->notes.begin(), paths->notes.end());
+  if (!f.request.light_groups.empty()) {
+    auto groups = light_group_of(job, context.scene, f.data.lights);
+    if (!groups) return std::unexpected(groups.error());
+    f.light_group_of = std::move(*groups);
+  }
   if (std::string note = clip_note(context.scene, job.animation); !note.empty()) f.notes.push_back(std::move(note));
   if (context.sky) f.sky = context.sky->at(f.request.look, f.data, f.notes);
   f.sky.shows_suns = !context.face;
@@ -140,6 +150,9 @@ Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext&
                       "than {} blocks of them (metaballs.cell)",
                       quoted_name(context.scene.nodes[body.node].name), body.lattice.cell_m, most_metaball_blocks));
   end_lights(asked.knobs.get<LightRangeKnobs>(), context.scene, f);
+  // What was added since is of no group.
+  if (!f.request.light_groups.empty())
+    f.light_group_of.resize(f.data.lights.size(), uint32_t(f.request.light_groups.size() - 1));
   return f;
 }
 

@@ -16,6 +16,7 @@ struct SurveyedFrame {
   FrameSky sky;
   SceneFacts facts;
   FrameRequest request;  // that of the stage before, with what the scene decides: neutral light, sky, layers
+  std::vector<uint32_t> light_group_of;  // of each light its place among request.light_groups; empty without groups
   std::vector<std::string> notes;
 };
 Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext& context, double time_s);

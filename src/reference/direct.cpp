@@ -327,7 +327,7 @@ glm::dvec3 Integrator::punctual(const Surface& s, const SurfacePoint& point, glm
     const PunctualLight& light = world_.punctual_lights()[i];
     const glm::dvec3 radiance = taken(punctual_offer(light, s, v, own_place(on_disc, i)), s, point);
     sum += radiance;
-    if (terms) (*terms)[direct_term(light.type)] += radiance;
+    if (terms) terms->add_direct(light, radiance);
   }
   return sum;
 }
@@ -347,7 +347,7 @@ glm::dvec3 Integrator::sized_by_brdf(const Surface& s, const SurfacePoint& point
     const double w = weight(pdf, a->pdf, Strategy::brdf);
     const glm::dvec3 radiance = taken({a->illuminance * a->pdf * f * w, l, a->distance_m, {}}, s, point);
     sum += radiance;
-    if (terms) (*terms)[direct_term(light.type)] += radiance;
+    if (terms) terms->add_direct(light, radiance);
   }
   return sum;
 }

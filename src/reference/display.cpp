@@ -154,7 +154,8 @@ DisplayImage display_image(std::span<const glm::dvec4> pixels, int width, const 
     c = glm::min(alpha > 0 ? c / alpha : c, glm::dvec3(1e30));
     c = display_encoded(tone_mapped(settings.curve, c, settings.agx_min_ev, settings.agx_max_ev), settings.curve);
     if (settings.dither && settings.bits == 8)
-      c = dithered(c, uint32_t(i % size_t(width)), uint32_t(i / size_t(width)), settings.seed);
+      c = dithered(c, uint32_t(i % size_t(width)) + uint32_t(settings.corner_px.x),
+                   uint32_t(i / size_t(width)) + uint32_t(settings.corner_px.y), settings.seed);
     if (settings.behind_rgb) {
       const uint32_t rgb = *settings.behind_rgb;
       c = glm::mix(glm::dvec3(rgb >> 16, rgb >> 8 & 255, rgb & 255) / 255.0, c, alpha);

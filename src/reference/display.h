@@ -18,6 +18,7 @@ struct DisplaySettings {
   bool alpha = false;                       // straight alpha as a fourth channel
   std::optional<uint32_t> behind_rgb = {};  // sRGB codes that the picture is laid over; without alpha
   uint32_t seed = 0;
+  glm::ivec2 corner_px{0};  // of a part of a picture, whose dither is the whole's
 };
 
 // Exposed linear Rec.709 to linear display values, in double.

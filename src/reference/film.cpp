@@ -35,14 +35,22 @@ static_assert(group_px * group_px == packet_rays && tile_px % group_px == 0);
 Film::Film(int width_px, int height_px, FilmParts parts)
     : width_(width_px),
       height_(height_px),
+      picture_px_(width_px, height_px),
       wants_lamp_shadow_(parts.lamp_shadow),
       wants_traversal_(parts.traversal),
       sums_(size_t(width_px) * size_t(height_px)),
       fog_(parts.fog ? sums_.size() : 0),
-      terms_(parts.terms ? sums_.size() : 0) {}
+      terms_(parts.terms ? sums_.size() : 0),
+      group_count_(parts.terms ? parts.light_groups : 0),
+      groups_(sums_.size() * group_count_ * 3) {}
 
 glm::dvec3 Film::term(Term term, size_t pixel) const {
   const double* v = terms_.at(pixel).light[size_t(term)];
+  return glm::dvec3(v[0], v[1], v[2]) / double(std::max<uint64_t>(samples_, 1));
+}
+
+glm::dvec3 Film::light_of_group(uint32_t group, size_t pixel) const {
+  const double* v = &groups_.at((pixel * group_count_ + group) * 3);
   return glm::dvec3(v[0], v[1], v[2]) / double(std::max<uint64_t>(samples_, 1));
 }
 
@@ -115,6 +123,7 @@ bool Film::add(const Integrator& integrator, int count, const std::function<bool
   std::vector<Sums> sums = sums_;
   std::vector<FogSums> fog = fog_;
   std::vector<TermSums> terms = terms_;
+  std::vector<double> groups = groups_;
   std::atomic<bool> stopped = false;
   std::mutex reporting;
   int done = 0;
@@ -122,11 +131,13 @@ bool Film::add(const Integrator& integrator, int count, const std::function<bool
     std::vector<glm::ivec2> pixels;
     for (int y = first.y; y < std::min(first.y + group_px, height_); ++y)
       for (int x = first.x; x < std::min(first.x + group_px, width_); ++x) pixels.emplace_back(x, y);
+    std::vector<glm::ivec2> places = pixels;
+    for (glm::ivec2& place : places) place += corner_px_;
     std::vector<PixelSample> samples(pixels.size());
     std::vector<TermSample> divided;
     for (uint64_t i = samples_; i < samples_ + uint64_t(count); ++i) {
       if (!terms.empty()) divided.assign(pixels.size(), {.wants_lamp_shadow = wants_lamp_shadow_});
-      integrator.sample(pixels, i, wants_traversal_, samples, divided);
+      integrator.sample(places, i, wants_traversal_, samples, divided);
       for (size_t k = 0; k < pixels.size(); ++k) {
         const size_t at = size_t(pixels[k].y) * size_t(width_) + size_t(pixels[k].x);
         Sums& pixel = sums[at];
@@ -144,6 +155,8 @@ bool Film::add(const Integrator& integrator, int count, const std::function<bool
         TermSums& parts = terms[at];
         for (size_t t = 0; t < term_count; ++t)
           for (int c = 0; c < 3; ++c) parts.light[t][c] += divided[k].light[t][c];
+        for (uint32_t g = 0; g < group_count_; ++g)
+          for (int c = 0; c < 3; ++c) groups[(at * group_count_ + g) * 3 + size_t(c)] += divided[k].by_group[g][c];
         parts.shadow += divided[k].shadow;
         parts.occlusion += divided[k].occlusion;
         parts.lamp_shadow += divided[k].lamp_shadow;
@@ -162,6 +175,7 @@ bool Film::add(const Integrator& integrator, int count, const std::function<bool
   sums_ = std::move(sums);
   fog_ = std::move(fog);
   terms_ = std::move(terms);
+  groups_ = std::move(groups);
   samples_ += uint64_t(count);
   return true;
 }
@@ -173,8 +187,8 @@ Expected<void> Film::save(const std::filesystem::path& path, const Hash128& iden
   head.width = width_, head.height = height_;
   head.samples = samples_;
   std::vector<std::byte> bytes(sizeof head);
-  for (const std::span<const std::byte> sums :
-       {std::as_bytes(std::span(sums_)), std::as_bytes(std::span(fog_)), std::as_bytes(std::span(terms_))})
+  for (const std::span<const std::byte> sums : {std::as_bytes(std::span(sums_)), std::as_bytes(std::span(fog_)),
+                                                std::as_bytes(std::span(terms_)), std::as_bytes(std::span(groups_))})
     bytes.insert(bytes.end(), sums.begin(), sums.end());
   head.content = hash128(std::span(bytes).subspan(sizeof head));
   std::memcpy(bytes.data(), &head, sizeof head);
@@ -196,9 +210,9 @@ Expected<Film> Film::load(const std::filesystem::path& path, const Hash128& iden
         "same, and so must be whether layers of single terms are asked for");
   Film film(width_px, height_px, parts);
   std::span<const std::byte> body = std::span(*bytes).subspan(sizeof head);
-  const std::span<std::byte> all[] = {std::as_writable_bytes(std::span(film.sums_)),
-                                      std::as_writable_bytes(std::span(film.fog_)),
-                                      std::as_writable_bytes(std::span(film.terms_))};
+  const std::span<std::byte> all[] = {
+      std::as_writable_bytes(std::span(film.sums_)), std::as_writable_bytes(std::span(film.fog_)),
+      std::as_writable_bytes(std::span(film.terms_)), std::as_writable_bytes(std::span(film.groups_))};
   if (body.size() != all[0].size() + all[1].size() + all[2].size() || hash128(body) != head.content)
     return fail(ErrorKind::input, path.string(), "is damaged; remove it to begin anew");
   for (const std::span<std::byte> sums : all) {

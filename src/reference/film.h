@@ -12,8 +12,9 @@ namespace candela::reference {
 // What a film keeps beside the radiance.
 struct FilmParts {
   bool fog = false, terms = false;
-  bool lamp_shadow = false;  // with terms
-  bool traversal = false;    // costs of camera rays
+  bool lamp_shadow = false;   // with terms
+  bool traversal = false;     // costs of camera rays
+  uint32_t light_groups = 0;  // with terms: the light of so many groups of lights
 };
 
 // Sums over the samples of each pixel, in double, added in the order of the samples: any sharing of the work gives the
@@ -21,6 +22,10 @@ struct FilmParts {
 class Film {
  public:
   Film(int width_px, int height_px, FilmParts parts = {});
+  // The film is a part of a larger picture, which is the integrator's.
+  void place_in(glm::ivec2 picture_px, glm::ivec2 corner_px) { picture_px_ = picture_px, corner_px_ = corner_px; }
+  glm::ivec2 picture() const { return picture_px_; }
+  glm::ivec2 corner() const { return corner_px_; }
   int width() const { return width_; }
   int height() const { return height_; }
   uint64_t samples() const { return samples_; }  // of every pixel
@@ -33,9 +38,10 @@ class Film {
   glm::dvec3 fog_through(size_t pixel) const;  // mean transmittance; 1 without fog
   bool has_terms() const { return !terms_.empty(); }
   glm::dvec3 term(Term term, size_t pixel) const;  // mean of one; with fog_light() they sum to mean()
-  double shadow(size_t pixel) const;               // mean TermSample::shadow
-  double occlusion(size_t pixel) const;            // mean TermSample::occlusion
-  double lamp_shadow(size_t pixel) const;          // mean TermSample::lamp_shadow
+  glm::dvec3 light_of_group(uint32_t group, size_t pixel) const;
+  double shadow(size_t pixel) const;       // mean TermSample::shadow
+  double occlusion(size_t pixel) const;    // mean TermSample::occlusion
+  double lamp_shadow(size_t pixel) const;  // mean TermSample::lamp_shadow
   size_t pixels() const { return size_t(width_) * size_t(height_); }
 
   // What is left of noise, from two independent halves of the samples: a quarter of the mean squared
@@ -70,11 +76,14 @@ class Film {
   double mean_of_halves(Scale&& scale) const;
 
   int width_, height_;
+  glm::ivec2 picture_px_, corner_px_{0};
   bool wants_lamp_shadow_, wants_traversal_;
   uint64_t samples_ = 0;
   std::vector<Sums> sums_;
   std::vector<FogSums> fog_;     // empty: none
   std::vector<TermSums> terms_;  // empty: none
+  uint32_t group_count_;
+  std::vector<double> groups_;  // three for each group of a pixel
 };
 
 // How long a film is made better. Every limit may be given; the first that is reached ends the work.

@@ -42,18 +42,20 @@ PixelRange pixels_of(const Aabb& box, const View& view, int width, int height) {
 
 }  // namespace
 
-std::vector<float> leaf_counts(const World& world, int width, int height) {
-  std::vector<float> counts(size_t(width) * size_t(height));
+std::vector<float> leaf_counts(const World& world, const Film& film) {
+  const int width = film.picture().x, height = film.picture().y;
+  std::vector<float> counts(film.pixels());
   const std::vector<LeafBox> leaves = world.accel().leaves();
   std::vector<PixelRange> ranges(leaves.size());
   tbb::parallel_for(size_t(0), leaves.size(),
                     [&](size_t i) { ranges[i] = pixels_of(leaves[i].box, world.view(), width, height); });
-  tbb::parallel_for(0, height, [&](int y) {
+  const int left = film.corner().x, top = film.corner().y;
+  tbb::parallel_for(top, top + film.height(), [&](int y) {
     for (size_t i = 0; i < leaves.size(); ++i) {
       if (y < ranges[i].top || y > ranges[i].bottom) continue;
-      for (int x = ranges[i].left; x <= ranges[i].right; ++x)
+      for (int x = std::max(ranges[i].left, left); x <= std::min(ranges[i].right, left + film.width() - 1); ++x)
         if (crosses(world.camera_ray(glm::dvec2(x + 0.5, y + 0.5), width, height), leaves[i].box))
-          counts[size_t(y) * size_t(width) + size_t(x)] += 1;
+          counts[size_t(y - top) * size_t(film.width()) + size_t(x - left)] += 1;
     }
   });
   return counts;

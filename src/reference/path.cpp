@@ -83,7 +83,7 @@ void Integrator::meet_lamps(const Departure& from, const Departure& came, glm::d
                       : weight(from.density, by_choice * from.density, Strategy::brdf);
     }
     const glm::dvec3 light_here = a->illuminance * (a->pdf * w);
-    if (light_here != glm::dvec3(0)) gain(direct_term(light.type), light_here * left(a->distance_m));
+    if (light_here != glm::dvec3(0)) gain(light, light_here * left(a->distance_m));
   }
 }
 
@@ -127,7 +127,7 @@ glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, g
     const glm::dvec3 radiance =
         taken(punctual_offer(world_.punctual_lights()[index], s, v, own_place(on_disc, index)), s, point);
     sum += radiance;
-    if (terms) (*terms)[Term::direct_sun] += radiance;
+    if (terms) terms->add_direct(world_.punctual_lights()[index], radiance);
   }
   if (world_.sky() && settings_.strategy != Strategy::brdf) {
     const Sky::Choice choice = world_.sky().sample(for_sky);
@@ -161,9 +161,10 @@ glm::dvec3 Integrator::next_event(const Surface& s, const SurfacePoint& point, g
   return sum + by_tree(s.position, lit_side(s), which, pick, every, make,
                        [&](const Offer& offer, const LightTree::Choice& choice) {
                          const glm::dvec3 radiance = taken(offer, s, point);
-                         if (terms)
-                           (*terms)[choice.light < points ? direct_term(lamp(choice).type) : Term::indirect] +=
-                               radiance;
+                         if (terms && choice.light < points)
+                           terms->add_direct(lamp(choice), radiance);
+                         else if (terms)
+                           (*terms)[Term::indirect] += radiance;
                          return radiance;
                        });
 }
@@ -230,6 +231,12 @@ PixelSample Integrator::sample_path(const CameraRay& camera, const std::optional
     out.radiance += light;
     if (terms && !in_fog) (*terms)[term] += light;
   };
+  // Of a light that the ray meets by itself.
+  const auto gain_of = [&](const PunctualLight& from, glm::dvec3 light) {
+    if (bounce > 1) return gain(Term::indirect, light);
+    out.radiance += light;
+    if (terms && !in_fog) terms->add_direct(from, light);
+  };
   const std::optional<RayDifferential> part = footprint();
   // Of a light that the ray meets by itself, against its choice at the surface that the ray left.
   const auto weight_of_emission = [&](const Hit& hit, const Surface& at, glm::dvec3 v) {
@@ -258,7 +265,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, const std::optional
       for (const uint32_t index : world_.directional())
         if (const auto a = light_in(world_.punctual_lights()[index], left.position, -v)) {
           const double w = from_mirror ? 1 : weight(left.density, a->pdf, Strategy::brdf);
-          gain(bounce > 1 ? Term::indirect : Term::direct_sun, through * open * a->illuminance * (a->pdf * w));
+          gain_of(world_.punctual_lights()[index], through * open * a->illuminance * (a->pdf * w));
         }
   };
   for (int event = 0; event < most_events; ++event) {
@@ -278,7 +285,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, const std::optional
             const double in_fog_m = in_body ? 0 : std::max(at_m - clear_m, 0.0);
             return before * way.end(at_m) * world_.through_fog(origin - v * clear_m, -v, in_fog_m);
           },
-          [&](Term term, glm::dvec3 light) { gain(bounce > 1 ? Term::indirect : term, light); });
+          gain_of);
       lamps_m = here_m;
     }
     if (way.here().medium()) {
@@ -363,8 +370,7 @@ PixelSample Integrator::sample_path(const CameraRay& camera, const std::optional
                 if (world_.light_tree().has_spheres())
                   meet_lamps(
                       left, came, left_geometric, direction, span,
-                      [&](double at_m) { return through * still * there.end(at_m) * clear(at_m); },
-                      [&](Term term, glm::dvec3 light) { gain(bounce > 1 ? Term::indirect : term, light); });
+                      [&](double at_m) { return through * still * there.end(at_m) * clear(at_m); }, gain_of);
               },
               [&](const Hit& lamp, const Surface& at, double at_m, glm::dvec3 still) {
                 gain(Term::indirect, through * still * clear(at_m) * at.emission * weight_of_emission(lamp, at, v));

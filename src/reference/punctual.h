@@ -17,6 +17,7 @@ struct PunctualLight {
   double cos_inner = 1, cos_outer = -1;
   double radius_rad = 0;  // of a directional light's disc in the sky; 0: a point
   double radius_m = 0;    // of a point's or spot's sphere; 0: a point
+  uint32_t group = 0;     // of lights (WorldInput::light_group_of)
   double least_m = 0.01;  // nearer than this the inverse square is held (scene/scene_size.h)
   bool has_size() const { return radius_rad > 0 || radius_m > 0; }
 };

@@ -4,6 +4,8 @@
 #include <glm/glm.hpp>
 #include <string_view>
 
+#include "reference/punctual.h"
+#include "scene/light_layers.h"
 #include "scene/scene.h"
 
 namespace candela::reference {
@@ -36,6 +38,7 @@ Term direct_term(LightType type);
 // One sample of one pixel, or the light of one surface.
 struct TermSample {
   std::array<glm::dvec3, term_count> light{};
+  std::array<glm::dvec3, most_light_groups> by_group{};  // of the direct terms, by the groups of their lights
   // Of the directional lights' light on what the pixel shows, weighed by the cosine, the fraction that nothing blocks;
   // 1 where none of them faces the surface, and on what takes no light.
   double shadow = 1;
@@ -50,6 +53,11 @@ struct TermSample {
   const glm::dvec3& operator[](Term term) const { return light[size_t(term)]; }
   void add(const TermSample& surface, glm::dvec3 fraction) {
     for (size_t t = 0; t < term_count; ++t) light[t] += fraction * surface.light[t];
+    for (size_t g = 0; g < most_light_groups; ++g) by_group[g] += fraction * surface.by_group[g];
+  }
+  void add_direct(const PunctualLight& from, glm::dvec3 radiance) {
+    (*this)[direct_term(from.type)] += radiance;
+    by_group[from.group] += radiance;
   }
   void add_ambient(glm::dvec3 diffuse, glm::dvec3 all) {
     (*this)[Term::ambient_diffuse] += diffuse;

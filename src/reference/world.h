@@ -39,7 +39,9 @@ struct WorldInput {
   std::optional<Volumetric> volumetric{};
   std::optional<Occlusion> occlusion{};  // in direct, what is farther off does not hide the sky; path knows no such end
   bool reflections = false;              // in direct, opaque surfaces reflect each other; path knows nothing else
-  bool open_sides = false;               // light passes single-sided faces from behind (--sides)
+  std::vector<uint32_t> light_group_of{};  // of the frame's lights, by their places; behind its end: other_lights
+  uint32_t other_lights = 0;
+  bool open_sides = false;  // light passes single-sided faces from behind (--sides)
   // Of a perspective camera: radius of its lens's opening (0: a pinhole), and how far its plane of focus lies.
   double lens_radius_m = 0, focus_m = std::numeric_limits<double>::infinity();
 };

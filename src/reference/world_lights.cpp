@@ -36,6 +36,7 @@ void World::add_lights() {
   for (const LightItem& item : input_.frame.lights) {
     const uint32_t index = uint32_t(punctual_.size());
     punctual_.push_back(punctual_light(item, least_light_m));
+    punctual_.back().group = index < input_.light_group_of.size() ? input_.light_group_of[index] : input_.other_lights;
     has_sized_lights_ |= punctual_.back().has_size();
     if (item.type == LightType::directional) {
       directional_.push_back(index);

@@ -9,8 +9,10 @@
 #include "job/background.h"
 #include "job/content_hash.h"
 #include "job/job_look.h"
+#include "job/light_groups.h"
 #include "job/picture_camera.h"
-#include "passes/post/subframes.h"
+#include "job/picture_window.h"
+#include "passes/post/subframes_knobs.h"
 #include "plan/choose_sides.h"
 #include "reference/leaf_view.h"
 #include "render/id_names.h"
@@ -224,6 +226,12 @@ Expected<std::unique_ptr<ReferenceFrame>> pose_reference(std::shared_ptr<const R
     input.lens_radius_m = lens_radius_m(*camera->lens, frame->view), input.focus_m = *focus;
   }
   input.occlusion = frame->look.occlusion;
+  if (!job.light_groups.empty()) {
+    auto groups = light_group_of(job, scene, frame->data.lights);
+    if (!groups) return std::unexpected(groups.error());
+    input.light_group_of = std::move(*groups);
+    input.other_lights = uint32_t(job.light_groups.size());
+  }
   input.reflections = frame->look.reflections.has_value() || !frame->look.probes.empty();
   if (const FrameSky sky = frame->loaded->sky->at(frame->look, frame->data, frame->notes)) {
     add_sky_suns(sky, frame->data);
@@ -293,6 +301,7 @@ Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const referen
   picture.animation = job.animation;
   picture.camera = job.camera;
   picture.width_px = job.width_px, picture.height_px = job.height_px;
+  picture.region = job.region, picture.overscan = job.overscan, picture.light_groups = job.light_groups;
   picture.background = job.background;
   picture.shading = job.shading, picture.probe = job.probe, picture.variant = job.variant;
   picture.cut_outs = job.cut_outs, picture.up = job.up, picture.sides = job.sides;
@@ -301,7 +310,7 @@ Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const referen
   picture.shutter_s = job.shutter_s, picture.f_stop = job.f_stop, picture.focus = job.focus;
   picture.sensor_mm = job.sensor_mm, picture.motion_s = job.motion_s, picture.effects = job.effects;
   for (const KnobSetting& setting : job.settings)
-    if (setting.pass == Subframes::Knobs::name) picture.settings.push_back(setting);
+    if (setting.pass == SubframesKnobs::name) picture.settings.push_back(setting);
   picture.paths = job.paths, picture.instances = job.instances;
   forget_motion_files(picture);
   return hash128(fmt::format("candela reference {}\n{}\n{}\n{}\n{:a}{}", CANDELA_VERSION, job_json(picture),
@@ -319,7 +328,7 @@ std::vector<std::string> reference_layer_names() {
 
 std::vector<float> reference_counts(const reference::Film& film, const ReferenceFrame& frame,
                                     const std::string& layer) {
-  if (layer == "heatmap_leaves") return reference::leaf_counts(*frame.world, film.width(), film.height());
+  if (layer == "heatmap_leaves") return reference::leaf_counts(*frame.world, film);
   CHECK_MSG(layer == "heatmap_traversal", layer);
   std::vector<float> counts(film.pixels());
   for (size_t i = 0; i < counts.size(); ++i) counts[i] = float(film.traversal(i));
@@ -332,6 +341,8 @@ FloatImage reference_image(const reference::Film& film, const ReferenceFrame& fr
                            const reference::SamplerSettings& sampler) {
   FloatImage image;
   image.width = film.width(), image.height = film.height();
+  const PictureWindow window = picture_window(job);
+  set_windows(image, window);
   const auto add = [&](std::string name, ChannelType type) -> std::vector<float>& {
     Channel& channel = image.channels.emplace_back();
     channel.name = std::move(name), channel.type = type;
@@ -344,10 +355,11 @@ FloatImage reference_image(const reference::Film& film, const ReferenceFrame& fr
     std::vector<float>& plane = add(rgba[c], type);
     for (size_t i = 0; i < film.pixels(); ++i) plane[i] = float(film.mean(i)[c]);
   }
-  add_surface_layers(image, frame, layers, type);
+  add_surface_layers(image, frame, window, layers, type);
   add_term_layers(image, film, layers, type);
-  add_motion_layer(image, frame, layers);
-  add_matte_layers(image, frame, layers, sampler, film.samples());
+  add_light_group_layers(image, film, light_group_layers(job), type);
+  add_motion_layer(image, frame, window, layers);
+  add_matte_layers(image, frame, window, layers, sampler, film.samples());
   const auto names = [](const std::vector<std::string>& these, const std::string& layer) {
     return std::find(these.begin(), these.end(), layer) != these.end();
   };

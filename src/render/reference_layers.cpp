@@ -20,11 +20,13 @@ constexpr uint32_t no_id = 0xffffffffu;
 
 using Centres = std::vector<std::optional<reference::CentreSurface>>;
 
-Centres centres_of(const ReferenceFrame& frame, int width, int height) {
-  Centres centres(size_t(width) * size_t(height));
-  tbb::parallel_for(0, height, [&](int y) {
-    for (int x = 0; x < width; ++x)
-      centres[size_t(y) * size_t(width) + size_t(x)] = reference::centre_surface(*frame.world, x, y, width, height);
+Centres centres_of(const ReferenceFrame& frame, const PictureWindow& window) {
+  const PixelRect& part = window.part;
+  Centres centres(size_t(part.width) * size_t(part.height));
+  tbb::parallel_for(0, part.height, [&](int y) {
+    for (int x = 0; x < part.width; ++x)
+      centres[size_t(y) * size_t(part.width) + size_t(x)] =
+          reference::centre_surface(*frame.world, part.x + x, part.y + y, window.width_px, window.height_px);
   });
   return centres;
 }
@@ -168,13 +170,14 @@ class Places {
 
 }  // namespace
 
-void add_motion_layer(FloatImage& image, const ReferenceFrame& frame, const std::vector<std::string>& layers) {
+void add_motion_layer(FloatImage& image, const ReferenceFrame& frame, const PictureWindow& window,
+                      const std::vector<std::string>& layers) {
   if (!is_in(layers)("motion")) return;
   CHECK(frame.before);
-  const Places now(frame.scene(), frame.data, frame.view, image.width, image.height),
-      before(frame.scene(), frame.before->data, frame.before->view, image.width, image.height);
+  const Places now(frame.scene(), frame.data, frame.view, window.width_px, window.height_px),
+      before(frame.scene(), frame.before->data, frame.before->view, window.width_px, window.height_px);
   Channel x{"motion.X", ChannelType::float32, {}, {}}, y{"motion.Y", ChannelType::float32, {}, {}};
-  for (const auto& c : centres_of(frame, image.width, image.height)) {
+  for (const auto& c : centres_of(frame, window)) {
     const auto to = c ? now.of(*c, frame.data) : std::nullopt, from = c ? before.of(*c, frame.data) : std::nullopt;
     glm::vec2 moved(0);
     if (to && from) moved = glm::vec2(*to - *from);
@@ -190,8 +193,9 @@ const std::vector<std::string>& matte_layer_names() {
   return names;
 }
 
-void add_matte_layers(FloatImage& image, const ReferenceFrame& frame, const std::vector<std::string>& layers,
-                      const reference::SamplerSettings& sampler, uint64_t samples) {
+void add_matte_layers(FloatImage& image, const ReferenceFrame& frame, const PictureWindow& window,
+                      const std::vector<std::string>& layers, const reference::SamplerSettings& sampler,
+                      uint64_t samples) {
   if (std::ranges::none_of(matte_layer_names(), is_in(layers))) return;
   const auto objects = matte_ids(node_names(frame.scene())), materials = matte_ids(material_names(frame.scene()));
   const size_t pixels = size_t(image.width) * size_t(image.height);
@@ -201,9 +205,10 @@ void add_matte_layers(FloatImage& image, const ReferenceFrame& frame, const std:
     for (int x = 0; x < image.width; ++x) {
       for (auto& ids : seen) ids.clear();
       for (uint64_t s = 0; s < samples; ++s) {
-        const glm::dvec2 place = glm::dvec2(x, y) + reference::SampleStream(sampler, x, y, s).pixel();
+        const int px = window.part.x + x, py = window.part.y + y;
+        const glm::dvec2 place = glm::dvec2(px, py) + reference::SampleStream(sampler, px, py, s).pixel();
         const auto hit =
-            reference::nearest_surface(*frame.world, frame.world->camera_ray(place, image.width, image.height));
+            reference::nearest_surface(*frame.world, frame.world->camera_ray(place, window.width_px, window.height_px));
         if (!hit) continue;
         const DrawItem& item = frame.data.items[hit->item];
         seen[0].push_back(objects[item.node]);
@@ -240,13 +245,23 @@ void add_term_layers(FloatImage& image, const reference::Film& film, const std::
   if (is_in(layers)("occlusion")) add("occlusion.Y", [&](size_t i) { return film.occlusion(i); });
 }
 
-void add_surface_layers(FloatImage& image, const ReferenceFrame& frame, const std::vector<std::string>& layers,
-                        ChannelType type) {
+void add_light_group_layers(FloatImage& image, const reference::Film& film, const std::vector<std::string>& layers,
+                            ChannelType type) {
+  for (uint32_t g = 0; g < layers.size(); ++g)
+    for (int c = 0; c < 3; ++c) {
+      Channel& channel = image.channels.emplace_back();
+      channel.name = layers[g] + "." + "RGB"[c], channel.type = type;
+      for (size_t i = 0; i < film.pixels(); ++i) channel.f.push_back(float(film.light_of_group(g, i)[c]));
+    }
+}
+
+void add_surface_layers(FloatImage& image, const ReferenceFrame& frame, const PictureWindow& window,
+                        const std::vector<std::string>& layers, ChannelType type) {
   using reference::CentreSurface, reference::Surface;
   const auto wanted = is_in(layers);
   const std::vector<std::string>& all = surface_layer_names();
   if (std::none_of(all.begin(), all.end(), wanted)) return;
-  const Centres centres = centres_of(frame, image.width, image.height);
+  const Centres centres = centres_of(frame, window);
   const auto item_of = [&](const CentreSurface& c) -> const DrawItem& { return frame.data.items[c.item]; };
   if (wanted("depth")) add_depth(image, centres);
   if (wanted("normal"))

@@ -6,7 +6,9 @@
 #include "image/prepare.h"
 #include "job/background.h"
 #include "job/job_look.h"
+#include "job/light_groups.h"
 #include "job/picture_camera.h"
+#include "job/picture_window.h"
 #include "plan/ask_frame.h"
 #include "reference/display.h"
 #include "render/count_view.h"
@@ -36,6 +38,13 @@ Expected<void> check_finite(const reference::Film& film, const Job& job) {
               first % size_t(film.width()), first / size_t(film.width()));
 }
 
+Expected<void> check_metering(const Job& job, const Look& look, bool display) {
+  if (picture_window(job).is_whole() || !look.exposure.automatic || !display) return {};
+  return fail(ErrorKind::usage, "--region",
+              "automatic exposure of the look meters the whole picture, of which only a part is traced; write EXR, or "
+              "take a look with a fixed exposure");
+}
+
 DisplayImage traced_display(const reference::Film& film, const ReferenceFrame& frame, const Job& job,
                             const std::string& view, const reference::SamplerSettings& sampler) {
   if (view.starts_with("heatmap_"))
@@ -62,6 +71,7 @@ DisplayImage traced_display(const reference::Film& film, const ReferenceFrame& f
   const uint64_t noise = job.seed ^ std::bit_cast<uint64_t>(frame.time_s);
   display.dither = job.dither;
   if (shows_through(job, frame.look)) display.behind_rgb = parse_background(job.background)->display_rgb;
+  display.corner_px = film.corner();
   display.alpha = shows_through(job, frame.look) && !display.behind_rgb;
   display.seed = uint32_t(noise ^ (noise >> 32));
   if (view == "beauty") return reference::display_image(film, display);
@@ -79,13 +89,18 @@ std::vector<std::string> kept_layers(std::vector<std::string> layers, const std:
 
 BegunFilm begin_film(const Job& job, const ReferenceFrame& frame, const TraceRequest& request,
                      const std::vector<std::string>& layers) {
-  const reference::FilmParts parts = film_parts(frame, layers);
+  reference::FilmParts parts = film_parts(frame, layers);
+  parts.light_groups = uint32_t(light_group_layers(job).size());
+  parts.terms |= parts.light_groups > 0;
   Hash128 identity = film_identity(job, frame, request.settings, request.accel, parts.terms);
   if (parts.lamp_shadow) identity = hash128(identity.hex() + " shadow_local");
   // Which samples are of which moment depends on their number.
   if (const auto camera = picture_camera(job, frame.look); camera && camera->shutter_s > 0)
     identity = hash128(fmt::format("{} {} spp", identity.hex(), request.stop.spp));
-  return {reference::Film(job.width_px, job.height_px, parts), identity, parts};
+  const PictureWindow window = picture_window(job);
+  BegunFilm begun{reference::Film(window.part.width, window.part.height, parts), identity, parts};
+  begun.film.place_in({window.width_px, window.height_px}, {window.part.x, window.part.y});
+  return begun;
 }
 
 Expected<TracedMoments> TracedMoments::open(const ReferenceFrame& frame, const Job& job, const TraceRequest& request) {
@@ -120,7 +135,8 @@ Expected<TracedMoments> TracedMoments::open(const ReferenceFrame& frame, const J
 reference::Moment TracedMoments::at(uint64_t sample) {
   const uint64_t count = times_s_.size(), spp = request_.stop.spp;
   const auto integrator_of = [&](const ReferenceFrame& frame) {
-    integrator_.emplace(*frame.world, request_.settings, job_.width_px, job_.height_px);
+    const PictureWindow window = picture_window(job_);
+    integrator_.emplace(*frame.world, request_.settings, window.width_px, window.height_px);
   };
   if (count == 0) {
     if (!integrator_) integrator_of(*frame_);
@@ -169,7 +185,9 @@ Expected<std::optional<FinishedFrame>> TracedFrames::finish(int64_t number) {
   if (!frame) return std::unexpected(frame.error());
   if (auto added = add_time_before(**frame, job_, kept_layers(job_.layers, job_.view)); !added)
     return std::unexpected(added.error());
-  result.width_px = job_.width_px, result.height_px = job_.height_px, result.time_s = time_s_;
+  result.window = picture_window(job_);
+  result.width_px = result.window.part.width, result.height_px = result.window.part.height, result.time_s = time_s_;
+  if (auto fine = check_metering(job_, (*frame)->look, wanted_.display); !fine) return std::unexpected(fine.error());
   result.notes = (*frame)->notes, result.warnings = (*frame)->warnings;
   reference::Film film = begin_film(job_, **frame, request_, kept_layers(job_.layers, job_.view)).film;
   auto moments = TracedMoments::open(**frame, job_, request_);

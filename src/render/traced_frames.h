@@ -16,6 +16,9 @@ struct TraceRequest {
   reference::Stop stop;
 };
 
+// Errors (usage): a part of a picture whose display output meters all of it.
+Expected<void> check_metering(const Job& job, const Look& look, bool display);
+
 // Error (nonfinite): pixels that files cannot hold, unless the job allows them.
 Expected<void> check_finite(const reference::Film& film, const Job& job);
 // What PNG and video show of a film: view is beauty or one of reference_layer_names(), whose

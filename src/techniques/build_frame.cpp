@@ -26,8 +26,8 @@ void become_subframe(SceneInputs& scene, const SubframePart& part) {
 // are made for each picture, those by clusters serve all. Ambient occlusion too is made for each, with a part of its
 // samples. Terms are summed as their pictures are.
 ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique& technique, const Surfaces& surfaces,
-                         const Lighting& lighting, glm::uvec2 grid, TermImages& terms, FogImages& fog,
-                         MatteImages& mattes) {
+                         const Lighting& lighting, glm::uvec2 grid, TermImages& terms, LightGroupImages& lights,
+                         FogImages& fog, MatteImages& mattes) {
   SceneInputs sample = scene;
   sample.is_subsample = true;
   sample.features = with_subsample(scene.features);
@@ -59,6 +59,11 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
       for (size_t l = 0; l < parts.size(); ++l)
         if (parts[l]) fog[l] = add(parts[l], fog[l], fmt::format("{}.{}", instance, FogLayers::layers[l].name));
     }
+    const LightGroupImages groups = divide_lights(frame, sample, seen, lit, seen_all, instance);
+    lights.resize(groups.size());
+    for (size_t g = 0; g < groups.size(); ++g)
+      if (groups[g])
+        lights[g] = add(groups[g], lights[g], fmt::format("{}.{}", instance, frame.request.light_groups[g]));
     matte_ids(frame, sample, seen, mattes, instance);
     if (!divided) continue;
     const TermImages parts = divide(frame, sample, seen, lit, seen_all, instance);
@@ -89,12 +94,14 @@ void build_frame(Frame& frame, const SceneInputs& inputs, const Technique& techn
   ImageHandle radiance;
   bool resolved = false;
   TermImages terms;
+  LightGroupImages lights;
   FogImages fog;
   MatteImages mattes;
   if (frame.request.part.role == SubframePart::Role::mean) {
     matte_ids(frame, scene, surfaces, mattes);
   } else if (pictures > 1) {
-    radiance = supersampled(frame, scene, technique, surfaces, lighting, supersample.grid(), terms, fog, mattes);
+    radiance =
+        supersampled(frame, scene, technique, surfaces, lighting, supersample.grid(), terms, lights, fog, mattes);
   } else {
     frame.add(Supersample{}, {});
     const Composite all =
@@ -102,11 +109,13 @@ void build_frame(Frame& frame, const SceneInputs& inputs, const Technique& techn
     radiance = all.radiance;
     resolved = all.resolved;
     terms = divide(frame, scene, surfaces, lighting, all);
+    lights = divide_lights(frame, scene, surfaces, lighting, all);
     fog = fog_layers(frame, scene, surfaces, lighting, all);
     matte_ids(frame, scene, surfaces, mattes);
   }
   describe(frame, scene, surfaces, lighting, occlusion);
   terms = publish_terms(frame, scene, terms);
+  publish_light_groups(frame, scene, lights);
   publish_fog(frame, scene, fog);
   publish_mattes(frame, scene, mattes, pictures);
   post(frame, scene, surfaces, lighting, radiance, resolved, terms[size_t(Term::emission)]);

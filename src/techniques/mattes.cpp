@@ -13,7 +13,9 @@ void matte_ids(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
     if (!pass.needed(frame.facts, frame.request) && !instance.empty()) continue;
     const std::string_view layer = matte_layers[i].name;
     const std::string name = instance.empty() ? std::string(layer) : fmt::format("{}.{}", instance, layer);
-    images[i] = frame.add(pass, {scene, surfaces.visible, surfaces.deformed, surfaces.depth, images[i]}, name).ids;
+    const bool wanted = bool(pass.needed(frame.facts, frame.request));
+    const ImageHandle depth = wanted ? depth_of_hardware(frame, scene, surfaces, name) : surfaces.depth;
+    images[i] = frame.add(pass, {scene, surfaces.visible, surfaces.deformed, depth, images[i]}, name).ids;
   }
 }
 

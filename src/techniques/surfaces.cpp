@@ -156,6 +156,11 @@ Surfaces seen_again(Frame& frame, const SceneInputs& scene, Surfaces surfaces, s
   return surfaces;
 }
 
+ImageHandle depth_of_hardware(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, std::string_view name) {
+  if (!surfaces.keys) return surfaces.depth;
+  return frame.add(DepthPrepass{}, {scene, surfaces.visible, surfaces.deformed}, name).depth;
+}
+
 namespace {
 // Deformed vertices of the time before; this one's where they are the same.
 BufferHandle deformed_before(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces) {

@@ -35,6 +35,10 @@ Surfaces visible_surfaces(Frame& frame, const SceneInputs& scene);
 // The same geometry seen by one picture of a supersampled frame: a depth of its own.
 Surfaces seen_again(Frame& frame, const SceneInputs& scene, Surfaces surfaces, std::string_view instance);
 
+// What surfaces that are drawn again are tested against for equality: as the hardware finds it, for the depth of keys
+// differs in its last bits. name: of the pass that finds it.
+ImageHandle depth_of_hardware(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, std::string_view name);
+
 // What is seen through fog: the grid of its light, or how points do without. Made once, for all samples of a picture.
 FogView fog_view(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting);
 // For passes that walk no lights unless the fog does.
@@ -109,6 +113,12 @@ TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfac
                   const Composite& composite, std::string_view instance = {});
 // Resolves them like beauty, publishes and returns them.
 TermImages publish_terms(Frame& frame, const SceneInputs& scene, TermImages terms);
+
+// The light of named groups of lights (--light-groups), in the same way; its sum is that of the terms direct_*.
+using LightGroupImages = std::vector<ImageHandle>;
+LightGroupImages divide_lights(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
+                               const Lighting& lighting, const Composite& composite, std::string_view instance = {});
+void publish_light_groups(Frame& frame, const SceneInputs& scene, const LightGroupImages& images);
 
 // The layers of fog, in the same way.
 using FogImages = std::array<ImageHandle, 2>;

@@ -9,10 +9,11 @@
 #include "techniques/technique.h"
 
 namespace candela {
-
 TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
                   const Composite& composite, std::string_view instance) {
-  const ImageHandle depth = surfaces.depth;
+  const bool wanted = bool(Terms{}.needed(frame.facts, frame.request));
+  const std::string name = instance.empty() ? "terms" : fmt::format("{}.terms", instance);
+  const ImageHandle depth = wanted ? depth_of_hardware(frame, scene, surfaces, name) : surfaces.depth;
   Terms::In in{scene, surfaces.visible,    surfaces.deformed, lighting,       depth,
                {},    composite.reflected, composite.seen,    composite.depth};
   for (uint32_t i = 0; i < term_count; ++i) in.wanted[i] = frame.request.wants_term(Terms::layers[i].name);
@@ -38,6 +39,49 @@ TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfac
     if (images[i]) images[i] = part_behind_blended(frame, over, Terms::stored_part(i), Terms::layers[i].name, instance);
   }
   return images;
+}
+
+LightGroupImages divide_lights(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
+                               const Lighting& lighting, const Composite& composite, std::string_view instance) {
+  constexpr uint32_t most_images = term_count;  // that one pass draws to
+  const uint32_t count = uint32_t(frame.request.light_groups.size());
+  LightGroupImages images;
+  const std::string name = instance.empty() ? "lights" : fmt::format("{}.lights", instance);
+  Terms::In in{scene, surfaces.visible, surfaces.deformed, lighting, {}, {}, {}, composite.seen, composite.depth};
+  if (count > 0) in.depth = depth_of_hardware(frame, scene, surfaces, name);
+  in.without_blended = stores_blended(frame);
+  for (in.first_group = 0; in.first_group < count; in.first_group += most_images) {
+    in.groups = std::min(count - in.first_group, most_images);
+    const std::string part = in.first_group == 0 ? name : fmt::format("{}{}", name, in.first_group);
+    const TermImages some = frame.add(Terms{.of_lights = true}, in, part).images;
+    images.insert(images.end(), some.begin(), some.begin() + in.groups);
+  }
+  if (!in.without_blended) return images;
+  BlendedIn over{scene, surfaces.visible, surfaces.deformed, of_blended(lighting.unoccluded()), composite.depth, {}};
+  if (over.lists.fog) over.lists.fog.light = FogLight::nothing;
+  for (uint32_t g = 0; g < count; ++g) {
+    over.color = images[g];
+    if (images[g])
+      images[g] = part_behind_blended(frame, over, Terms::stored_group(g), frame.request.light_groups[g], instance);
+  }
+  return images;
+}
+
+void publish_light_groups(Frame& frame, const SceneInputs& scene, const LightGroupImages& images) {
+  const SubframePart::Role role = frame.request.part.role;
+  if (role == SubframePart::Role::mean && frame.facts.takes_light())
+    for (const std::string& layer : frame.request.light_groups)
+      frame.builder.publish(layer, mean_of(frame, scene, layer));
+  for (size_t g = 0; g < images.size(); ++g) {
+    const std::string& layer = frame.request.light_groups[g];
+    if (!images[g]) continue;
+    const Resolve::In in{images[g], scene.width_px, scene.height_px, scene.samples};
+    const ImageHandle resolved = newest(frame.add(Resolve{}, in, layer).resolved, images[g]);
+    if (role == SubframePart::Role::subframe)
+      add_to_sum(frame, scene, layer, resolved);
+    else
+      frame.builder.publish(layer, resolved);
+  }
 }
 
 TermImages publish_terms(Frame& frame, const SceneInputs& scene, TermImages terms) {

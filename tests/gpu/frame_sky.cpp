@@ -4,6 +4,7 @@
 #include "frame_fixture.h"
 #include "image/exr.h"
 #include "reference/albedo.h"
+#include "scene/environment.h"
 
 namespace candela::test {
 namespace {

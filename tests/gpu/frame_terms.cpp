@@ -111,6 +111,33 @@ TEST_F(FrameTerms, SumToBeautyAndChangeNoBitOfIt) {
       }
 }
 
+// Keys of triangles tell depths of other last bits than the hardware's, which draws the terms.
+TEST_F(FrameTerms, AreOfWhatKeysOfTrianglesShow) {
+  for (const char* technique : {"visibility", "ray"}) {
+    SCOPED_TRACE(technique);
+    Job job = job_of_everything(write(everything()), 4);
+    job.technique = technique;
+    const Images alone = images_of(job);
+    job.layers = term_names();
+    job.layers.push_back("crypto_object");
+    const Images divided = images_of(job);
+    EXPECT_TRUE(alone["beauty"] == divided["beauty"]);
+    const std::vector<glm::vec4> beauty = divided["beauty"].values<glm::vec4>();
+    std::vector<glm::dvec3> sum(beauty.size());
+    for (const std::string& name : term_names()) {
+      const std::vector<glm::vec4> term = divided[name].values<glm::vec4>();
+      for (size_t i = 0; i < sum.size(); ++i) sum[i] += glm::dvec3(term[i]);
+    }
+    double all = 0, off = 0, covered = 0;
+    for (size_t i = 0; i < sum.size(); ++i)
+      all += glm::length(glm::dvec3(beauty[i])), off += glm::length(glm::dvec3(beauty[i]) - sum[i]);
+    EXPECT_LT(off, 0.01 * all);
+    // Coverage by what is known, in green the largest.
+    for (const glm::vec4& matte : divided["crypto_object"].values<glm::vec4>()) covered += double(matte.y + matte.w);
+    EXPECT_GT(covered, 0.3 * double(sum.size()));
+  }
+}
+
 // A supersampled frame divides each of its pictures.
 TEST_F(FrameTerms, SumToASupersampledBeauty) {
   Job job = job_of_everything(write(everything()), 0);

@@ -38,7 +38,6 @@ struct SceneInputs {
   BufferHandle light_globals;                               // empty without light lists
   BufferHandle light_bounds, light_chunks, light_dispatch;  // the same, and where a pass finds them
   LightGridShape light_grid;
-  BufferHandle light_groups_of;                       // of each light its named group; empty without such layers
   BufferHandle views, view_regions, suns;             // of shadow maps; empty without
   BufferHandle lamp_views, lamp_view_regions, lamps;  // the same of point and spot lights
   BufferHandle moving;                                // nodes that move; empty unless lamps' maps tell these apart

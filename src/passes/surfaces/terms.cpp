@@ -6,7 +6,7 @@ namespace candela {
 namespace {
 
 bool wants_lighting(const Terms::In& in) {
-  return in.wanted[size_t(Term::direct_sun)] || in.wanted[size_t(Term::direct_point)] ||
+  return in.groups > 0 || in.wanted[size_t(Term::direct_sun)] || in.wanted[size_t(Term::direct_point)] ||
          in.wanted[size_t(Term::direct_spot)] ||
          ((in.lists.occlusion.open || in.lists.occlusion.traced) &&
           (in.wanted[size_t(Term::ambient_diffuse)] || in.wanted[size_t(Term::ambient_specular)]));
@@ -32,6 +32,7 @@ std::string define_of(std::string_view layer) {
 }  // namespace
 
 Need Terms::needed(const SceneFacts&, const FrameRequest& request) const {
+  if (of_lights) return needed_if(!request.light_groups.empty(), "no group of lights is wanted (--light-groups)");
   for (const LayerName& layer : layers)
     if (request.wants_term(layer.name)) return {};
   return {false, "no term of beauty is wanted (--layers)"};
@@ -41,6 +42,10 @@ std::string Terms::stored_part(size_t term) {
   std::string output(layers[term].name);
   std::replace(output.begin(), output.end(), '.', '_');
   return fmt::format("terms.frag#{}=0#TERM=out_{}", define_of(layers[term].name), output);
+}
+
+std::string Terms::stored_group(uint32_t group) {
+  return fmt::format("terms.frag#LIGHT_GROUPS=1#FIRST_GROUP={}#TERM=out_groups[0]", group);
 }
 
 Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
@@ -56,6 +61,10 @@ Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
     if (!in.wanted[i]) continue;
     choice.desc.fragment_shader += fmt::format("#{}={}", define_of(layers[i].name), choice.desc.color_formats.size());
     choice.desc.color_formats.push_back(color_format);
+  }
+  if (in.groups > 0) {
+    choice.desc.fragment_shader += fmt::format("#LIGHT_GROUPS={}#FIRST_GROUP={}", in.groups, in.first_group);
+    choice.desc.color_formats.assign(in.groups, color_format);
   }
   const std::string shader = choice.desc.fragment_shader;
   const ShadowColors colors = wants_lighting(in) ? in.lists.shadow_colors : ShadowColors{};
@@ -99,12 +108,15 @@ Terms::Out Terms::declare(GraphBuilder& builder, const In& in) const {
   choice.desc.blend = Blend::premultiplied_over;
   const auto is_blended = [&](const DrawBatch& r) { return r.alpha == AlphaMode::blend && !in.without_blended; };
   out.blended = declare_batches(builder, in.scene, in.draws, in.deformed, is_blended, choice);
+  const auto image = [&](const std::string& of) {
+    return builder.create(
+        ImageDesc{"terms." + of, color_format, in.scene.width_px, in.scene.height_px, in.scene.samples});
+  };
+  for (uint32_t i = 0; i < in.groups; ++i) out.images[i] = image(fmt::format("group{}", in.first_group + i));
   for (uint32_t i = 0; i < term_count; ++i) {
     if (!in.wanted[i]) continue;
     out.images[i] = Term(i) == Term::background ? in.background : ImageHandle{};
-    if (!out.images[i])
-      out.images[i] = builder.create(ImageDesc{"terms." + std::string(layers[i].name), color_format, in.scene.width_px,
-                                               in.scene.height_px, in.scene.samples});
+    if (!out.images[i]) out.images[i] = image(std::string(layers[i].name));
   }
   const auto write = [&](ImageHandle depth) {
     if (in.seen) builder.begin_step();

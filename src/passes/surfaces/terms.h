@@ -55,6 +55,8 @@ struct Terms {
     SeenThrough seen;        // optional: without it no surface lets light through
     ImageHandle nearest;     // with it: depth of those surfaces too
     std::array<bool, term_count> wanted{};
+    // With of_lights instead: how many groups of lights, from which on; each group's light is one image.
+    uint32_t groups = 0, first_group = 0;
     bool without_blended = false;  // passes behind this one draw blended surfaces over each term
   };
   struct Out {
@@ -62,8 +64,10 @@ struct Terms {
     BatchPipelines opaque, refracting, blended;
     PipelineHandle reflected;  // drawn between the two
   };
-  // The shader of one term alone, for Fragments::part.
+  // The shader of one term alone, for Fragments::part, and of one group of lights.
   static std::string stored_part(size_t term);
+  static std::string stored_group(uint32_t group);
+  bool of_lights = false;  // the light of the lights alone, by named groups (--light-groups), whose sum it is
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;
   void record(CommandList& commands, const In& in, const Out& out) const;

@@ -1,0 +1,142 @@
+// Regions and overscan as files hold them: windows of EXR, pixels of PNG.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "image/io.h"
+#include "program.h"
+
+namespace candela::test::cli_region {
+namespace {
+
+using Arguments = std::vector<std::string>;
+
+class CliRegion : public ::testing::Test {
+ protected:
+  FloatImage made(const std::string& command, const std::string& file, Arguments more) {
+    Arguments words = {command, scene("spheres"), "-o", folder / file, "--size", "64x36", "--quiet"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ended ended = candela(words);
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    auto image = read_image(folder / file);
+    EXPECT_TRUE(image) << (image ? "" : image.error().text());
+    return image ? std::move(*image) : FloatImage{};
+  }
+  // Channel by channel, bit for bit.
+  static void expect_part(const FloatImage& whole, const FloatImage& part, int x, int y) {
+    ASSERT_EQ(part.channels.size(), whole.channels.size());
+    for (size_t c = 0; c < part.channels.size(); ++c) {
+      SCOPED_TRACE(part.channels[c].name);
+      ASSERT_EQ(part.channels[c].name, whole.channels[c].name);
+      int differing = 0;
+      for (int row = 0; row < part.height; ++row)
+        for (int column = 0; column < part.width; ++column) {
+          const size_t a = size_t(row) * size_t(part.width) + size_t(column),
+                       b = size_t(y + row) * size_t(whole.width) + size_t(x + column);
+          const Channel &p = part.channels[c], &w = whole.channels[c];
+          differing += p.type == ChannelType::uint32 ? p.u[a] != w.u[b] : std::memcmp(&p.f[a], &w.f[b], 4) != 0;
+        }
+      EXPECT_EQ(differing, 0);
+    }
+  }
+  static void expect_windows(const FloatImage& image, int x, int y, int width, int height) {
+    EXPECT_EQ(image.width, width);
+    EXPECT_EQ(image.height, height);
+    EXPECT_EQ(image.origin_x, x);
+    EXPECT_EQ(image.origin_y, y);
+    EXPECT_EQ(image.display_width, 64);
+    EXPECT_EQ(image.display_height, 36);
+  }
+  void refused(const Arguments& more, const std::string& part) {
+    Arguments words = {"render", scene("spheres"), "-o", folder / "no.exr", "--size", "64x36"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ended ended = candela(words);
+    EXPECT_EQ(ended.code, 2) << ended.err;
+    EXPECT_NE(ended.err.find(part), std::string::npos) << ended.err;
+  }
+  TestFolder folder;
+};
+
+TEST_F(CliRegion, RendersARegionAsTheDataWindow) {
+  const FloatImage whole = made("render", "whole.exr", {"--layers", "depth,object_id"});
+  const FloatImage part = made("render", "part.exr", {"--layers", "depth,object_id", "--region", "13,7,21,18"});
+  expect_windows(part, 13, 7, 21, 18);
+  expect_part(whole, part, 13, 7);
+  const FloatImage png = made("render", "whole.png", {}),
+                   part_png = made("render", "part.png", {"--region", "13,7,21,18"});
+  EXPECT_EQ(part_png.width, 21);
+  expect_part(png, part_png, 13, 7);
+}
+
+TEST_F(CliRegion, TracesARegionAsTheDataWindow) {
+  for (const char* mode : {"direct", "path"}) {
+    SCOPED_TRACE(mode);
+    const std::string name = mode;
+    const Arguments traced = {"--mode", mode, "--spp", "2", "--layers", "all"};
+    Arguments of_part = traced;
+    of_part.insert(of_part.end(), {"--region", "13,7,21,18"});
+    const FloatImage whole = made("reference", name + "_whole.exr", traced),
+                     part = made("reference", name + "_part.exr", of_part);
+    expect_windows(part, 13, 7, 21, 18);
+    expect_part(whole, part, 13, 7);
+  }
+  const FloatImage png = made("reference", "whole.png", {"--spp", "2"}),
+                   part_png = made("reference", "part.png", {"--spp", "2", "--region", "13,7,21,18"});
+  expect_part(png, part_png, 13, 7);
+}
+
+// As compositors know it: pixels beyond the display window.
+TEST_F(CliRegion, OverscanIsALargerDataWindow) {
+  for (const char* command : {"render", "reference"}) {
+    SCOPED_TRACE(command);
+    const std::string name = command;
+    const Arguments few = name == "render" ? Arguments{"--quality", "draft"} : Arguments{"--spp", "1"};
+    const auto with = [&](Arguments more) {
+      more.insert(more.end(), few.begin(), few.end());
+      return more;
+    };
+    expect_windows(made(name, name + "_px.exr", with({"--overscan", "5"})), -5, -5, 74, 46);
+    const FloatImage all = made(name, name + "_percent.exr", with({"--overscan", "10%"}));
+    expect_windows(all, -7, -4, 78, 44);
+    const FloatImage part = made(name, name + "_part.exr", with({"--overscan", "10%", "--region", "-7,-2,30,12"}));
+    expect_windows(part, -7, -2, 30, 12);
+    expect_part(all, part, 0, 2);
+  }
+}
+
+TEST_F(CliRegion, SaysWhatIsWrong) {
+  refused({"--region", "60,0,10,10"}, "--region: 60,0,10,10 reaches beyond the picture, which is of 64x36");
+  refused({"--region", "1,2,3"}, "write X,Y,WIDTH,HEIGHT");
+  refused({"--overscan", "-3"}, "--overscan");
+  refused({"--overscan", "10000"}, "more than 16384x16384");
+  refused({"--region", "0,0,8,8", "--check-determinism", "2"}, "--check-determinism: looks at whole images");
+  refused({"--region", "0,0,8,8", "--dump", "resolve.resolved"}, "--dump: looks at whole images");
+}
+
+TEST_F(CliRegion, LightGroupsAreLayers) {
+  for (const char* command : {"render", "reference"}) {
+    const std::string name = command;
+    Arguments words = {command,
+                       scene("street"),
+                       "-o",
+                       folder / (name + ".exr"),
+                       "--size",
+                       "32x18",
+                       "--quiet",
+                       "--light-groups",
+                       "lamps=street*",
+                       "--light-groups",
+                       "shops=signs,windows"};
+    if (name == "reference") words.insert(words.end(), {"--spp", "1"});
+    const Ended ended = candela(words);
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    const auto image = read_image(folder / (name + ".exr"));
+    ASSERT_TRUE(image);
+    for (const char* layer : {"light_lamps.R", "light_shops.G", "light_rest.B"})
+      EXPECT_NE(image->find(layer), nullptr) << command << " " << layer;
+  }
+  refused({"--light-groups", "a"}, "write NAME=NODE,NODE");
+}
+
+}  // namespace
+}  // namespace candela::test::cli_region

@@ -14,6 +14,7 @@
 #include "cli/job_options.h"
 #include "cli/output_paths.h"
 #include "cli/progress.h"
+#include "cli/render_steps.h"
 #include "cli/result.h"
 #include "cli/scene_notes.h"
 #include "cli/signals.h"
@@ -34,7 +35,7 @@ struct RenderOptions {
   BudgetOptions budget;
   std::string frames;
   std::vector<std::string> outputs, dumps;
-  std::string timings, trace;
+  std::string timings, trace, steps;
   bool overlap = false;
   std::optional<int> check_determinism;  // number of runs
 };
@@ -156,6 +157,7 @@ Expected<void> check_one_shot(const RenderOptions& o, const RenderPlan& plan) {
   for (const auto& [option, given] : {std::pair("--timings", !o.timings.empty()),
                                       {"--trace", !o.trace.empty()},
                                       {"--dump", !o.dumps.empty()},
+                                      {"--steps", !o.steps.empty()},
                                       {"--check-determinism", bool(o.check_determinism)}})
     if (given) return fail(ErrorKind::usage, option, "is of one picture; it does not go with several ({})", several);
   if (plan.all_cameras && (plan.job.camera.eye || plan.job.camera.azimuth_deg || plan.job.camera.elevation_deg ||
@@ -193,7 +195,7 @@ Expected<RenderPlan> plan_render(const CLI::App& command, RenderOptions& o) {
   if (!moments) return std::unexpected(moments.error());
   plan.job = *job;
   plan.moments = std::move(*moments);
-  if (o.outputs.empty() && o.dumps.empty() && !o.check_determinism)
+  if (o.outputs.empty() && o.dumps.empty() && o.steps.empty() && !o.check_determinism)
     return fail(ErrorKind::usage, "-o", "no output given; name a file that ends in .exr or .png");
   if (o.check_determinism && *o.check_determinism < 2)
     return fail(ErrorKind::usage, "--check-determinism", "takes at least 2 runs");
@@ -207,13 +209,15 @@ Expected<RenderPlan> plan_render(const CLI::App& command, RenderOptions& o) {
     exr_output |= *format == OutputFormat::exr;
   }
   if (auto good = check_layers(*job, exr_output); !good) return std::unexpected(good.error());
-  if (o.outputs.empty()) plan.wanted.linear = true;
+  if (o.outputs.empty()) plan.wanted.linear = true, plan.wanted.display = !o.steps.empty();
   if (!plan.all_cameras) {
     for (const Moment& moment : plan.moments) plan.shots.push_back({moment, "", ""});
     if (auto named = name_shots(o, plan.shots); !named) return std::unexpected(named.error());
   }
   if (auto ready = plan_dumps(o, plan); !ready) return std::unexpected(ready.error());
   if (auto ready = check_reports(o.timings, o.trace, o.job.json); !ready) return std::unexpected(ready.error());
+  if (!o.steps.empty())
+    if (auto ready = check_steps(o.steps, plan.job); !ready) return std::unexpected(ready.error());
   return plan;
 }
 
@@ -356,7 +360,7 @@ Expected<int> run_render(CLI::App& command, RenderOptions& o) {
   settings->overlap = o.overlap;
   settings->command = command_line();
   settings->timeout_folder = folder_of_outputs(o.outputs);
-  settings->timed = !o.timings.empty() || !o.trace.empty() || plan->job.timings_in_metadata;
+  settings->timed = !o.timings.empty() || !o.trace.empty() || !o.steps.empty() || plan->job.timings_in_metadata;
   auto session = [&] {
     const WaitingLine waiting("opening the scene and the device", o.job.quiet);
     return Session::open(plan->job, plan->wanted, *settings);
@@ -388,6 +392,11 @@ Expected<int> run_render(CLI::App& command, RenderOptions& o) {
     say_written(plan->dump_paths);
     if (auto reported = write_reports(o, *plan, shot, *frame, **session, warnings); !reported)
       return std::unexpected(reported.error());
+    if (o.steps.empty()) continue;
+    const std::string device = (*session)->device().info().name;
+    if (auto written = write_steps(o.steps, plan->job, *settings, *frame, device); !written)
+      return std::unexpected(written.error());
+    say_written({fs::path(o.steps) / "index.html"});
   }
   if (o.job.json && !pictures.empty()) {
     Json j = result_head(plan->job, **session, warnings);
@@ -415,6 +424,10 @@ void add_render(CLI::App& app, Action& action) {
                    "{camera} the camera's name; may be given again")
       ->allow_extra_args(false)
       ->type_name("FILE");
+  command
+      ->add_option("--steps", o->steps,
+                   "Folder for a page that shows the frame pass by pass: what each writes, reads and takes")
+      ->type_name("DIR");
   command
       ->add_option(
           "--dump", o->dumps,

@@ -14,6 +14,7 @@
 #include "passes/surfaces/sample_store.h"
 #include "plan/caster_hash.h"
 #include "plan/frame_fog.h"
+#include "plan/step_dumps.h"
 #include "plan/upload_table.h"
 
 namespace candela {
@@ -196,7 +197,7 @@ std::vector<DumpRequest> dump_requests(const Job& job, const WantedOutputs& want
 // images are made.
 Expected<void> plan_graph(const AskedFrame& asked, const PlanContext& context, const WantedOutputs& wanted,
                           const std::optional<PictureParts>& parts, PlannedFrame& f) {
-  const std::vector<DumpRequest> requests = dump_requests(asked.job, wanted);
+  std::vector<DumpRequest> requests = dump_requests(asked.job, wanted);
   const auto fill = [&](GraphBuilder& builder) {
     f.imports.clear();
     if (parts) builder.restrict_picture(*parts);
@@ -223,6 +224,7 @@ Expected<void> plan_graph(const AskedFrame& asked, const PlanContext& context, c
   };
   if (kept.pool || std::ranges::any_of(builder.resources(), is_kept)) f.graph = compile_graph(builder, kept);
   if (requests.empty()) return {};
+  if (requests.front().name == every_image) requests = requests_of_steps(f.graph.plan);
   auto dumps = place_dumps(requests, builder, f.graph.plan);
   if (!dumps) return std::unexpected(dumps.error());
   f.dumps = std::move(*dumps);

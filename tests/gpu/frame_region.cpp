@@ -15,6 +15,7 @@ class FrameRegion : public FrameTest {
  protected:
   static Job street() {
     Job job = job_for(scene("street"), width, height, 4);
+    job.sky = "studio";  // ambient light, which occlusion takes from
     return job;
   }
   // What the region holds of each output of the whole picture.

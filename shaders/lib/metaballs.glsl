@@ -6,7 +6,7 @@
 const int block_cells = 8, block_nodes = block_cells + 1, block_node_count = block_nodes * block_nodes * block_nodes;
 const float least_inside = 1e-30;       // F that is inside; 0 is not, nor what a device may flush to it
 const int halvings = 4;                 // of an edge along which F is far from straight
-const float straight = 1.0 / 64.0;      // of F's change along an edge: what its interpolated vertex may be off by
+const float about = 1.0 / 16.0;         // of an edge: how far about its interpolated vertex F must have crossed 0
 const float least_along = 1.0 / 4096.0; // of an edge, before and behind a vertex
 const uint chunk_triangles = 4096u;
 
@@ -96,10 +96,11 @@ vec3 vertex_of(MetaballBody body, MetaballBlock block, ivec3 cell, uint tetrahed
   const vec3 way = vec3(corner_offset(b) - corner_offset(a));
   float low = field_of_corner(cell, a), high = field_of_corner(cell, b);
   precise float t = crossing(low, high);
-  precise vec3 guess = from + t * way;
-  precise float allowed = abs(low - high) * straight;
-  if (abs(field_at(body, block, guess)) > allowed) {
-    const bool is_low_inside = low > least_inside;
+  precise float before = max(t - about, 0.0), behind = min(t + about, 1.0);
+  precise vec3 near_low = from + before * way, near_high = from + behind * way;
+  const bool is_low_inside = low > least_inside;
+  if ((field_at(body, block, near_low) > least_inside) != is_low_inside ||
+      (field_at(body, block, near_high) > least_inside) == is_low_inside) {
     float begin = 0.0, width = 1.0;
     for (int i = 0; i < halvings; ++i) {
       width *= 0.5;

@@ -16,7 +16,7 @@ namespace {
 constexpr int cells = metaball_block_cells, nodes = cells + 1;
 constexpr float least_inside = 1e-30f;       // F that is inside; 0 is not, nor what devices may flush to it
 constexpr int halvings = 4;                  // of an edge along which F is far from straight
-constexpr float straight = 1.0f / 64;        // of F's change along an edge: what its interpolated vertex may be off by
+constexpr float about = 1.0f / 16;           // of an edge: how far about its interpolated vertex F must have crossed 0
 constexpr float least_along = 1.0f / 4096;   // of an edge, before and behind a vertex
 constexpr double most_reach_cells = 0x1p20;  // of vertices from the lattice's origin, for floats
 constexpr uint64_t triangles_of_cell = 6 * 2;
@@ -240,9 +240,9 @@ class Block {
   glm::vec3 vertex(glm::ivec3 at, int a, int b, const float* f) const {
     const glm::vec3 from(first_ + at + corner(a)), way(corner(b) - corner(a));
     float low = f[a], high = f[b], t = crossing(low, high);
-    const float allowed = std::abs(low - high) * straight;
-    if (std::abs(field(along(from, t, way))) > allowed) {
-      const bool is_low_inside = low > least_inside;
+    const bool is_low_inside = low > least_inside;
+    if ((field(along(from, std::max(t - about, 0.0f), way)) > least_inside) != is_low_inside ||
+        (field(along(from, std::min(t + about, 1.0f), way)) > least_inside) == is_low_inside) {
       float begin = 0, width = 1;
       for (int i = 0; i < halvings; ++i) {
         width *= 0.5f;

@@ -5,8 +5,7 @@
 
 const int block_cells = 8, block_nodes = block_cells + 1, block_node_count = block_nodes * block_nodes * block_nodes;
 const float least_inside = 1e-30;       // F that is inside; 0 is not, nor what a device may flush to it
-const int halvings = 4;                 // of an edge along which F is far from straight
-const float about = 1.0 / 16.0;         // of an edge: how far about its interpolated vertex F must have crossed 0
+const int halvings = 4;                 // of an edge, before its vertex is interpolated
 const float least_along = 1.0 / 4096.0; // of an edge, before and behind a vertex
 const uint chunk_triangles = 4096u;
 
@@ -87,35 +86,28 @@ float crossing(float low, float high) {
   return min(max(s, 0.0), 1.0);
 }
 
-// In cells from the lattice's origin. Where F is not straight, as where a kernel ends within the edge, a few halvings
-// come first. From the lower corner on: all cells whose edge it is do so.
+// In cells from the lattice's origin. A few halvings find kernels that end within the
+// edge, and leave little that is not straight. From the lower corner on: all cells whose edge it is do so.
 vec3 vertex_of(MetaballBody body, MetaballBlock block, ivec3 cell, uint tetrahedron, uint edge) {
   const uint i = corner_of(tetrahedron, edge & 3u), j = corner_of(tetrahedron, edge >> 2);
   const uint a = min(i, j), b = max(i, j);
   const vec3 from = vec3(ivec3(block.first_x, block.first_y, block.first_z) + cell + corner_offset(a));
   const vec3 way = vec3(corner_offset(b) - corner_offset(a));
   float low = field_of_corner(cell, a), high = field_of_corner(cell, b);
-  precise float t = crossing(low, high);
-  precise float before = max(t - about, 0.0), behind = min(t + about, 1.0);
-  precise vec3 near_low = from + before * way, near_high = from + behind * way;
   const bool is_low_inside = low > least_inside;
-  if ((field_at(body, block, near_low) > least_inside) != is_low_inside ||
-      (field_at(body, block, near_high) > least_inside) == is_low_inside) {
-    float begin = 0.0, width = 1.0;
-    for (int i = 0; i < halvings; ++i) {
-      width *= 0.5;
-      precise vec3 middle = from + (begin + width) * way;
-      const float there = field_at(body, block, middle);
-      if ((there > least_inside) == is_low_inside) {
-        begin += width;
-        low = there;
-      } else {
-        high = there;
-      }
+  float begin = 0.0, width = 1.0;
+  for (int i = 0; i < halvings; ++i) {
+    width *= 0.5;
+    precise vec3 middle = from + (begin + width) * way;
+    const float there = field_at(body, block, middle);
+    if ((there > least_inside) == is_low_inside) {
+      begin += width;
+      low = there;
+    } else {
+      high = there;
     }
-    precise float found = begin + width * crossing(low, high);
-    t = found;
   }
+  precise float t = begin + width * crossing(low, high);
   t = min(max(t, least_along), 1.0 - least_along);
   precise vec3 p = from + t * way;
   return p;

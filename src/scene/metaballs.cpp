@@ -15,8 +15,7 @@ namespace {
 
 constexpr int cells = metaball_block_cells, nodes = cells + 1;
 constexpr float least_inside = 1e-30f;       // F that is inside; 0 is not, nor what devices may flush to it
-constexpr int halvings = 4;                  // of an edge along which F is far from straight
-constexpr float about = 1.0f / 16;           // of an edge: how far about its interpolated vertex F must have crossed 0
+constexpr int halvings = 4;                  // of an edge, before its vertex is interpolated
 constexpr float least_along = 1.0f / 4096;   // of an edge, before and behind a vertex
 constexpr double most_reach_cells = 0x1p20;  // of vertices from the lattice's origin, for floats
 constexpr uint64_t triangles_of_cell = 6 * 2;
@@ -235,25 +234,21 @@ class Block {
       }
     }
   }
-  // Where F is not straight, as where a kernel ends within the edge, a few halvings come first. From the lower corner
+  // A few halvings find kernels that end within the edge, and leave little that is not straight. From the lower corner
   // on: all of whom the edge is do so.
   glm::vec3 vertex(glm::ivec3 at, int a, int b, const float* f) const {
     const glm::vec3 from(first_ + at + corner(a)), way(corner(b) - corner(a));
-    float low = f[a], high = f[b], t = crossing(low, high);
+    float low = f[a], high = f[b], begin = 0, width = 1;
     const bool is_low_inside = low > least_inside;
-    if ((field(along(from, std::max(t - about, 0.0f), way)) > least_inside) != is_low_inside ||
-        (field(along(from, std::min(t + about, 1.0f), way)) > least_inside) == is_low_inside) {
-      float begin = 0, width = 1;
-      for (int i = 0; i < halvings; ++i) {
-        width *= 0.5f;
-        const float there = field(along(from, begin + width, way));
-        if ((there > least_inside) == is_low_inside)
-          begin += width, low = there;
-        else
-          high = there;
-      }
-      t = begin + width * crossing(low, high);
+    for (int i = 0; i < halvings; ++i) {
+      width *= 0.5f;
+      const float there = field(along(from, begin + width, way));
+      if ((there > least_inside) == is_low_inside)
+        begin += width, low = there;
+      else
+        high = there;
     }
+    const float t = begin + width * crossing(low, high);
     const glm::vec3 p = along(from, std::min(std::max(t, least_along), 1.0f - least_along), way);
     return {p.x * cell_m_, p.y * cell_m_, p.z * cell_m_};
   }

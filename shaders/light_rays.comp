@@ -57,7 +57,7 @@ void main() {
   pixel_middle = vec2(valid) + 0.5;
   begin_keyed(valid);
   if (!inside) keyed_left = 0u;
-  if (gl_WorkGroupID.xy == uvec2(0u) && mine == 0u) {
+  if (gl_WorkGroupID.xy == uvec2(pc.occlusion & 0xffffu, pc.occlusion >> 16) && mine == 0u) {
     for (uint i = 0u; i < record_room_word; ++i) all_records().w[i] = RecordsRef(pc.rays).w[i];
     all_records().w[record_room_word] = pc.own;
   }

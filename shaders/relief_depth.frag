@@ -1,5 +1,9 @@
 #version 460
 // Depth of reliefs; what a ray passes by is dropped.
+#ifndef RELIEF  // defined wherever it is used, to what lib/relief_fragment.glsl says
+#define RELIEFS 1
+#define RELIEF 1
+#endif
 #include "shared/draw.h"
 layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/features.glsl"

@@ -1,6 +1,10 @@
 #version 460
 // Depth of reliefs as a view sees them that is not the camera's (depth_view.vert).
 #define TRIANGLES
+#ifndef RELIEF  // defined wherever it is used, to what lib/relief_fragment.glsl says
+#define RELIEFS 1
+#define RELIEF 1
+#endif
 #include "shared/draw.h"
 #ifdef LAMPS
 layout(push_constant, scalar) uniform Push { DepthLampPush pc; };

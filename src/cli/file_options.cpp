@@ -53,6 +53,7 @@ const std::map<std::string, FileUse>& uses_of_options() {
       {"--html", FileUse::written},
       {"--report", FileUse::written_folder},
       {"--pictures", FileUse::written_folder},
+      {"--steps", FileUse::written_folder},
       {"--record", FileUse::written_folder},
       {"--job", FileUse::written_folder},
   };
@@ -63,6 +64,7 @@ const std::map<std::string, FileUse>& uses_of_options() {
 Names fixed_files(const std::string& option) {
   if (option == "--report")
     return {"index.html", "rows.json", "rows.csv", "tune.json", "stability.json", "junit.xml", "run.json"};
+  if (option == "--steps") return {"index.html"};
   if (option == "--job") return {"job.json", "job.sbatch", "job.py", "task.sh", "job.mk", "job.sh"};
   return {};
 }

@@ -43,6 +43,8 @@ class CommandList {
   // The same over the picture, or over texels of so many pixels a side: only those that hold pixels of the part.
   virtual void dispatch_picture(uint32_t threads_x, uint32_t threads_y, PicturePart part = PicturePart::shaded,
                                 uint32_t texel_px = 1) = 0;
+  // Which group of threads of the bound pipeline dispatch_picture() begins with.
+  virtual glm::uvec2 first_group(PicturePart part = PicturePart::shaded) const = 0;
   // Three counts of groups at an offset, written by an earlier pass or step (indirect_read).
   virtual void dispatch_indirect(BufferHandle groups, uint64_t offset = 0) = 0;
 

@@ -177,6 +177,12 @@ void CommandListImpl::dispatch_picture(uint32_t threads_x, uint32_t threads_y, P
   vkCmdDispatchBase(commands_, x, y, 0, across, down, 1);
 }
 
+glm::uvec2 CommandListImpl::first_group(PicturePart part) const {
+  if (!frame_.plan.parts) return glm::uvec2(0);
+  const PixelRect& rect = frame_.plan.parts->of(part);
+  return {uint32_t(rect.x) / bound_->workgroup[0], uint32_t(rect.y) / bound_->workgroup[1]};
+}
+
 void CommandListImpl::dispatch_indirect(BufferHandle groups, uint64_t offset) {
   CHECK_MSG(bound_ && bound_->bind_point == VK_PIPELINE_BIND_POINT_COMPUTE && !rendering_, pass_.name);
   use_of(groups, {Access::indirect_read});

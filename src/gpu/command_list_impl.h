@@ -54,6 +54,7 @@ class CommandListImpl final : public CommandList {
   void push_bytes(const void* data, uint32_t bytes) override;
   void dispatch(uint32_t threads_x, uint32_t threads_y, uint32_t threads_z) override;
   void dispatch_picture(uint32_t threads_x, uint32_t threads_y, PicturePart part, uint32_t texel_px) override;
+  glm::uvec2 first_group(PicturePart part) const override;
   void dispatch_indirect(BufferHandle groups, uint64_t offset) override;
   void trace_rays(uint32_t width, uint32_t height) override;
   void begin_rendering(std::span<const Attachment> colors, ImageHandle depth, ImageRange depth_range) override;

@@ -57,6 +57,15 @@ TEST_F(FrameRegion, PixelsAreThoseOfTheWholeWithEveryTechnique) {
   }
 }
 
+// Rays to lights by a pass of their own, as GPUs send them: what its records begin with is written by its first group,
+// wherever the region lies.
+TEST_F(FrameRegion, PixelsAreThoseOfTheWholeWhereRaysToLightsHaveAPass) {
+  Job job = street();
+  job.technique = "hybrid";
+  job.settings.push_back({"light_rays", "apart", "on"});
+  expect_part_of_whole(job, true);
+}
+
 TEST_F(FrameRegion, PixelsAreThoseOfTheWholeAtEveryQuality) {
   for (const char* quality : {"draft", "normal"}) {
     SCOPED_TRACE(quality);

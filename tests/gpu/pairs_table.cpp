@@ -446,14 +446,15 @@ TEST_F(PairsTable, RefusesWhatExcludesEachOther) {
   // What no list has.
   refused(changed([](Job& job) { job.technique = "deferred"; }), ErrorKind::usage, "deferred");
   refused(changed([](Job& job) { job.transparency = "peeled"; }), ErrorKind::usage, "peeled");
-  refused(changed([](Job& job) { job.effects = "shadows,lens"; }), ErrorKind::usage, "lens");
+  refused(changed([](Job& job) { job.effects = "shadows,lenses"; }), ErrorKind::usage, "lenses");
   refused(changed([](Job& job) { job.quality = "best"; }), ErrorKind::usage, "best");
 }
 
 // What an effect changes is more than it may be wrong by: a picture without it is not taken for one with it. Of the
-// sky's light this scene shows too little for that; those effects have tests of their own.
+// sky's light this scene shows too little for that, and nothing of it moves or is out of focus; those effects have
+// tests of their own.
 TEST_F(PairsTable, TellsEachEffect) {
-  const std::set<std::string> subtle = {"exposure", "occlusion", "ibl", "probes", "reflections"};
+  const std::set<std::string> subtle = {"exposure", "occlusion", "ibl", "probes", "reflections", "shutter", "lens"};
   const Row none{"brute-force", "layers", "1 sample", "high", "none"};
   const Truth bare = traced(none);
   for (const std::string& effect : effect_names()) {

@@ -12,7 +12,7 @@ std::span<const Knob> MotionBlur::Knobs::table() {
        .highest = 1024,
        .levels = {16, 16, 16, 128},
        .description = "places along its motion at which a pixel gathers; fewer show as noise",
-       .sweep = {8, 16, 64},
+       .sweep = {8, 16, 128},
        .required = "subframes.gather=1"},
       {.name = "most_px",
        .member = &Knobs::most_px,
@@ -21,7 +21,7 @@ std::span<const Knob> MotionBlur::Knobs::table() {
        .highest = 256,
        .levels = {32, 32, 32, 128},
        .description = "longest motion to either side of a pixel; longer is shortened",
-       .sweep = {16, 32, 64},
+       .sweep = {16, 32, 128},
        .required = "subframes.gather=1"},
   };
   return table;

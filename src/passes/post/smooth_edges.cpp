@@ -14,14 +14,14 @@ std::span<const Knob> SmoothEdges::Knobs::table() {
        .highest = 128,
        .levels = {0},
        .description = "how far along an edge its ends are looked for, where pixels have one sample; 0: edges stay",
-       .sweep = {0, 8, 32}},
+       .sweep = {8, 32, 0}},
       {.name = "threshold",
        .member = &Knobs::threshold,
        .lowest = 0.01,
        .highest = 1,
        .levels = {0.1},
        .description = "difference in shown luminance (x / (1 + x)) of the two sides that makes an edge",
-       .sweep = {0.2, 0.1, 0.05},
+       .sweep = {0.2, 0.05, 0.1},
        .required = "smooth_edges.reach_px=32"},
   };
   return table;

@@ -13,7 +13,7 @@ std::span<const Knob> SubframesKnobs::table() {
        .levels = {4, 8, 16, 256},
        .description =
            "frames that a picture with a shutter or a lens is the mean of (--subframes): the time of as many",
-       .sweep = {4, 16}},
+       .sweep = {4, 16, 256}},
       {.name = "gather",
        .member = &SubframesKnobs::gather,
        .lowest = 0,

@@ -98,7 +98,10 @@ void LightRays::record(CommandList& commands, const In& in, const Out& out) cons
   own.deformed_before = out.records.words;
   own.number = rooms_of(in.scene, in.lists.rays, knobs).words;
   commands.bind(out.pipeline);
-  commands.push(draw_push(commands, in.scene, in.deformed, &in.lists, nullptr, own));
+  shared::DrawPush push = draw_push(commands, in.scene, in.deformed, &in.lists, nullptr, own);
+  const glm::uvec2 first = commands.first_group();
+  push.occlusion = first.x | first.y << 16;  // whose group writes what all records begin with
+  commands.push(push);
   commands.dispatch_picture(in.scene.width_px, in.scene.height_px);
 }
 

@@ -25,7 +25,7 @@ void put(vec3 v) { put(v.x); put(v.y); put(v.z); }
 void put(uvec3 v) { put(v.x); put(v.y); put(v.z); }
 void put(vec4 v) { put(v.x); put(v.y); put(v.z); put(v.w); }
 void put(TextureRef v) {
-  put(v.texture); put(v.sampler_index); put(v.uv_set); put(v.unused); put(v.u_row); put(v.v_row);
+  put(v.texture); put(v.sampler_index); put(v.uv_set); put(v.wraps); put(v.u_row); put(v.v_row);
 }
 
 void put_transform(Transform v) { put(v.row0); put(v.row1); put(v.row2); }
@@ -39,7 +39,7 @@ void put_item(Item v) {
 void put_material(Material v) {
   put(v.base_color); put(v.emissive); put(v.alpha_cutoff);
   put(v.metallic); put(v.roughness); put(v.normal_scale); put(v.occlusion_strength);
-  put(v.specular); put(v.ior_f0); put(v.flags); put(v.id); put(v.specular_color); put(v.unused);
+  put(v.specular); put(v.ior_f0); put(v.flags); put(v.id); put(v.specular_color); put(v.relief);
   put(v.base_texture); put(v.orm_texture); put(v.occlusion_texture); put(v.normal_texture);
   put(v.emissive_texture); put(v.specular_texture); put(v.specular_color_texture);
 }

@@ -149,7 +149,7 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
           "stands")
       ->check(CLI::Range(1, 1000000))
       ->type_name("N");
-  add_shutter_options(command, o);
+  if (renderer != Renderer::none) add_shutter_options(command, o);
   add_motion_options(command, o);
   command.add_option("--size", o.size, "Size of the image in pixels, or 720p, 1080p, 1440p, 4k or 8k")
       ->capture_default_str()

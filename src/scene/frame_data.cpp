@@ -71,7 +71,7 @@ class FrameBuilder {
       return;
     }
     const std::vector<MeshSection>& sections = scene_.meshes[size_t(node.mesh)].sections;
-    if (sections[0].metaballs >= 0) return add_metaballs(n, sections[0]);
+    if (!sections.empty() && sections[0].metaballs >= 0) return add_metaballs(n, sections[0]);
     deformations_.clear();
     deformations_.resize(sections.size());
     indices_.assign(sections.size(), -1);

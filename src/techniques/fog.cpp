@@ -76,10 +76,15 @@ void publish_fog(Frame& frame, const SceneInputs& scene, const FogImages& images
     const std::string layer(FogLayers::layers[i].name);
     if (role == SubframePart::Role::mean && frame.request.has_layer(layer) && frame.request.draws_fog())
       frame.builder.publish(layer, mean_of(frame, scene, layer));
-    if (!images[i]) continue;
-    const Resolve::In in{images[i], scene.width_px, scene.height_px, scene.samples};
-    const ImageHandle resolved = newest(frame.add(Resolve{}, in, layer).resolved, images[i]);
-    if (role == SubframePart::Role::subframe)
+    const bool summed =
+        role == SubframePart::Role::subframe && frame.request.has_layer(layer) && frame.request.draws_fog();
+    if (!images[i] && !summed) continue;
+    ImageHandle resolved = images[i];
+    if (resolved) {
+      const Resolve::In in{resolved, scene.width_px, scene.height_px, scene.samples};
+      resolved = newest(frame.add(Resolve{}, in, layer).resolved, resolved);
+    }
+    if (summed)
       add_to_sum(frame, scene, layer, resolved);
     else
       frame.builder.publish(layer, resolved);

@@ -79,7 +79,7 @@ void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, cons
   ImageHandle linear = newest(aired.color, picture);
   if (request.part.role == SubframePart::Role::subframe) {
     add_to_sum(frame, scene, "beauty", linear);
-    add_to_sum(frame, scene, "volumetric", aired.layer);
+    if (request.draws_volumetric() && volumetric.layer_wanted) add_to_sum(frame, scene, "volumetric", aired.layer);
     return;
   }
   frame.add(Subframes{}, {});

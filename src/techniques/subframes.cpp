@@ -15,7 +15,6 @@ BufferDesc sum_desc(const SubframePart& part, std::string_view prefix, const std
 }  // namespace
 
 void add_to_sum(Frame& frame, const SceneInputs&, const std::string& name, ImageHandle image) {
-  if (!image) return;
   const SubframePart& part = frame.request.part;
   Subframes::In in{image};
   in.before = frame.builder.import_buffer(sum_desc(part, sum_before, name));

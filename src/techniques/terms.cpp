@@ -69,18 +69,21 @@ LightGroupImages divide_lights(Frame& frame, const SceneInputs& scene, const Sur
 
 void publish_light_groups(Frame& frame, const SceneInputs& scene, const LightGroupImages& images) {
   const SubframePart::Role role = frame.request.part.role;
-  if (role == SubframePart::Role::mean && frame.facts.takes_light())
-    for (const std::string& layer : frame.request.light_groups)
-      frame.builder.publish(layer, mean_of(frame, scene, layer));
-  for (size_t g = 0; g < images.size(); ++g) {
+  for (size_t g = 0; g < frame.request.light_groups.size(); ++g) {
     const std::string& layer = frame.request.light_groups[g];
-    if (!images[g]) continue;
-    const Resolve::In in{images[g], scene.width_px, scene.height_px, scene.samples};
-    const ImageHandle resolved = newest(frame.add(Resolve{}, in, layer).resolved, images[g]);
+    if (role == SubframePart::Role::mean) {
+      frame.builder.publish(layer, mean_of(frame, scene, layer));
+      continue;
+    }
+    ImageHandle image = g < images.size() ? images[g] : ImageHandle{};
+    if (image) {
+      const Resolve::In in{image, scene.width_px, scene.height_px, scene.samples};
+      image = newest(frame.add(Resolve{}, in, layer).resolved, image);
+    }
     if (role == SubframePart::Role::subframe)
-      add_to_sum(frame, scene, layer, resolved);
-    else
-      frame.builder.publish(layer, resolved);
+      add_to_sum(frame, scene, layer, image);
+    else if (image)
+      frame.builder.publish(layer, image);
   }
 }
 
@@ -92,13 +95,14 @@ TermImages publish_terms(Frame& frame, const SceneInputs& scene, TermImages term
       frame.builder.publish(std::string(Terms::layers[i].name), terms[i]);
       continue;
     }
-    if (!terms[i]) continue;
     const std::string layer(Terms::layers[i].name);
-    const Resolve::In in{terms[i], scene.width_px, scene.height_px, scene.samples};
-    terms[i] = newest(frame.add(Resolve{}, in, layer).resolved, terms[i]);
-    if (role == SubframePart::Role::subframe)
+    if (terms[i]) {
+      const Resolve::In in{terms[i], scene.width_px, scene.height_px, scene.samples};
+      terms[i] = newest(frame.add(Resolve{}, in, layer).resolved, terms[i]);
+    }
+    if (role == SubframePart::Role::subframe && frame.request.wants_term(layer))
       add_to_sum(frame, scene, layer, terms[i]);
-    else
+    else if (terms[i])
       frame.builder.publish(layer, terms[i]);
   }
   return terms;

@@ -258,6 +258,34 @@ TEST_F(FrameShutter, LayersOfLightAreMeans) {
   EXPECT_GT(apart, 0.05);
 }
 
+// What comes into the picture while the shutter is open is in none of its first frames: their sums, of terms too, begin
+// with nothing, and not with what memory held.
+TEST_F(FrameShutter, WhatComesIntoThePictureBeginsWithNothing) {
+  GltfBuilder b = empty_scene();
+  b.use("KHR_materials_unlit");
+  Json white = unlit_material(1, 1, 1);
+  white["doubleSided"] = true;
+  add_node(b, {{"mesh", add_square_mesh(b, 0.5f, add_material(b, white))}});
+  const int times = b.accessor<float>("SCALAR", {0, 1, 2}),
+            places = b.accessor<float>("VEC3", {0, 0, 1000, 0, 0, 0, 0, 0, 0});
+  b.json["animations"] = {{{"samplers", {{{"input", times}, {"output", places}, {"interpolation", "STEP"}}}},
+                           {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}}}};
+  Job job = picture(write(b), 1, 4);
+  look(job, {0, 0, 5}, {0, 0, 0}, 20);
+  job.layers = {"emission", "background", "direct_point"};
+  const size_t middle = size_t(side / 2 * side + side / 2);
+  const auto session = open(job);
+  ASSERT_TRUE(session);
+  for (int round = 0; round < 2; ++round) {
+    const Images seen = images(render(*session, 1));
+    for (const char* layer : {"beauty", "emission"})
+      EXPECT_EQ(seen[layer].values<glm::vec4>()[middle].x, 0.5f) << layer;
+    for (const Image& image : seen)
+      for (const float v : image.values<float>()) ASSERT_TRUE(v >= 0 && v <= 1) << image.layer;
+    images(render(*session, 1.9));  // all of it is seen: its buffers hold other sums
+  }
+}
+
 // The reference spreads its samples over the moments of the shutter: the same blur, and the same bytes after a pause.
 TEST_F(FrameShutter, TheReferenceHasAShutterToo) {
   const double speed = 6, shutter = 0.25;

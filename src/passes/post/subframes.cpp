@@ -32,16 +32,17 @@ Need Subframes::needed(const SceneFacts&, const FrameRequest& request) const {
 }
 
 Subframes::Out Subframes::declare(GraphBuilder& builder, const In& in) const {
-  builder.read(in.color, Access::sampled_compute, "color");
+  ComputePipelineDesc desc{"subframes.comp", {}};
+  if (builder.read_optional(in.color, Access::sampled_compute)) desc.constants.push_back({0, "HAS_COLOR", 1});
   builder.read(in.before, Access::compute_read, "sum");
-  return {builder.write(in.sum, Access::compute_write), builder.pipeline(ComputePipelineDesc{"subframes.comp", {}})};
+  return {builder.write(in.sum, Access::compute_write), builder.pipeline(desc)};
 }
 
 void Subframes::record(CommandList& commands, const In& in, const Out& out) const {
   commands.bind(out.pipeline);
   shared::SubframesPush push{};
   push.before = commands.address(in.before), push.sum = commands.address(out.sum);
-  push.source = commands.sampled(in.color);
+  push.source = in.color ? commands.sampled(in.color) : 0;
   push.fraction = 1.0f / float(in.count);
   push.first_px = in.first_px;
   push.size_px = {in.width_px, in.height_px};

@@ -18,7 +18,7 @@ struct Subframes {
   static constexpr std::array<std::string_view, 2> shading_effects = {"shutter", "lens"};
   using Knobs = SubframesKnobs;
   struct In {
-    ImageHandle color;    // of this frame, at least as large as the picture
+    ImageHandle color;    // optional: of this frame, at least as large as the picture; empty: it shows nothing of it
     BufferHandle before;  // the sum of the frames before it; of the first frame anything
     BufferHandle sum;
     glm::ivec2 first_px{0};  // of the frame: where the picture begins

@@ -129,7 +129,7 @@ void Measured::describe(const FrameResult& frame) {
                  {"nodes", t.nodes},         {"bytes", t.bytes},           {"instances", t.instances}};
   }
   row.memory.clear();
-  const nlohmann::ordered_json memory = memory_json(*used_, frame.plan);
+  const nlohmann::ordered_json memory = memory_json(*used_, *frame.plan);
   for (const auto& [name, bytes] : memory.items())
     if (name != "process_peak_bytes") row.memory.emplace_back(name, bytes.get<uint64_t>());
 }

@@ -90,13 +90,13 @@ Expected<FrameResult> SharedRenderer::one_frame(const Job& job, const PlanContex
     if (auto drawn = draw_probes(job, context, *planned, *runner_, *gpu_scene_, of_probes); !drawn)
       return std::unexpected(drawn.error());
   GpuScene::Uploaded uploaded = gpu_scene_->upload(*planned);
-  if (const auto prepared = runner_->prepare(planned->graph); !prepared) return std::unexpected(prepared.error());
-  sums.import(planned->graph.plan, uploaded.imports, uploaded.keep);
+  if (const auto prepared = runner_->prepare(planned->graph()); !prepared) return std::unexpected(prepared.error());
+  sums.import(planned->graph().plan, uploaded.imports, uploaded.keep);
   FrameResult frame;
   frame.width_px = job.width_px, frame.height_px = job.height_px;
   frame.time_s = time_s;
-  frame.outputs = planned->outputs;
-  frame.readbacks = runner_->run(planned->graph, uploaded.imports, {}).readbacks;
+  frame.outputs = planned->made->outputs;
+  frame.readbacks = runner_->run(planned->graph(), uploaded.imports, {}).readbacks;
   frame.pre_exposure = planned->upload.constants.pre_exposure;
   frame.notes = std::move(planned->notes);
   frame.warnings = std::move(of_probes);

@@ -82,7 +82,7 @@ Expected<int> run_plan(CLI::App& command, const PlanOptions& o) {
   if (!frame) return std::unexpected(frame.error());
   if (o.dot && o.job.json) return fail(ErrorKind::usage, "--dot", "--dot and --json both ask for stdout");
   for (const std::string& note : frame->notes) log::info("{}", note);
-  const FramePlan& plan = frame->graph.plan;
+  const FramePlan& plan = frame->graph().plan;
   auto printed = o.dot        ? print(plan_dot(plan))
                  : o.job.json ? print(plan_with_look(plan, job, frame->request.look))
                               : print(plan_text(plan) + look_text(job, frame->request.look));

@@ -40,7 +40,7 @@ Job looked_at(Job job, const FrameResult& timed) {
   job.technique = timed.request.technique, job.transparency = timed.request.transparency;
   for (const SeenBy& seen : seen_by)
     for (const char* layer : seen.layers)
-      if (shown_pass(seen, timed.plan) && std::ranges::find(job.layers, layer) == job.layers.end())
+      if (shown_pass(seen, *timed.plan) && std::ranges::find(job.layers, layer) == job.layers.end())
         job.layers.emplace_back(layer);
   return job;
 }
@@ -73,12 +73,12 @@ Expected<void> write_steps(const std::string& folder, const Job& job, const RunS
   auto pictures = write_step_pictures(*frame, again, folder);
   if (!pictures) return std::unexpected(pictures.error());
   for (const SeenBy& seen : seen_by)
-    if (const char* shown = shown_pass(seen, timed.plan); shown && !has_pass(timed.plan, seen.pass))
+    if (const char* shown = shown_pass(seen, *timed.plan); shown && !has_pass(*timed.plan, seen.pass))
       for (StepPicture& picture : *pictures)
         if (picture.pass == seen.pass) picture.pass = shown;
   StepsPage page{.title = fmt::format("The steps of {}", fs::path(job.scene).filename().string()),
                  .facts = {},
-                 .plan = timed.plan,
+                 .plan = *timed.plan,
                  .times = timed.timings.gpu_ms,
                  .frame_ms = timed.timings.frame_gpu_ms,
                  .pictures = std::move(*pictures)};
@@ -87,9 +87,9 @@ Expected<void> write_steps(const std::string& folder, const Job& job, const RunS
       {"technique", fmt::format("{}, quality {}", timed.request.technique, job.quality)},
       {"device", device},
       {"frame", fmt::format("{:.4g} ms on the device, {} passes, {} left out", timed.timings.frame_gpu_ms,
-                            timed.plan.passes.size(), timed.plan.left_out.size())},
+                            timed.plan->passes.size(), timed.plan->left_out.size())},
       {"memory", fmt::format("{:.1f} MiB of images and buffers that the frame makes",
-                             double(transient_bytes(timed.plan)) / 1048576)},
+                             double(transient_bytes(*timed.plan)) / 1048576)},
       {"pictures", "of a second run of the same frame whose images are read back; times are of the first"},
       {"plan", timed.plan_hash.hex()}};
   return write_text_output((fs::path(folder) / page_name).string(), steps_page_html(page));

@@ -217,7 +217,7 @@ class Watch {
     const double ms = ms_since(begin);
     DisplayImage picture = display_image(*frame, job_);
     std::set<std::string> passes;
-    for (const PlanPass& pass : frame->plan.passes) passes.insert(pass.name);
+    for (const PlanPass& pass : frame->plan->passes) passes.insert(pass.name);
     std::optional<PictureDistance> distance;
     if (last_) distance = picture_distance(*last_, picture);
     ++pictures_;
@@ -230,7 +230,7 @@ class Watch {
 
   void say(double ms, const std::string& why, const FrameResult& frame, const std::string& changed,
            const std::optional<PictureDistance>& distance) {
-    const size_t passes = frame.plan.passes.size();
+    const size_t passes = frame.plan->passes.size();
     std::string text = fmt::format("{}: {:.0f} ms, {} passes{}", why, ms, passes, changed);
     if (distance && distance->rmse == 0)
       text += "; the same as the last picture";

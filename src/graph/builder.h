@@ -160,7 +160,9 @@ class GraphBuilder {
 
 struct CompiledGraph {
   FramePlan plan;
-  std::vector<RecordFunction> record;  // parallel to plan.passes
+  std::vector<RecordFunction> record;         // parallel to plan.passes
+  std::vector<std::pair<int, Hash128>> keys;  // of resources that are `keyed` (GraphBuilder::keep)
+  Hash128 hash;                               // plan_hash() of the plan
 };
 
 // validate, prune (reference counts from the sinks; dropped passes are listed as "nothing reads NAME"), order

@@ -76,7 +76,7 @@ void mark_first_writes(FramePlan& plan) {
 void make_physical(const GraphBuilder& builder, const KeptKeys& kept, FramePlan& plan) {
   for (const GraphBuilder::Resource& resource : builder.resources()) {
     PlanResource planned{
-        .desc = resource.desc, .imported = resource.imported, .to_fill = resource.to_fill, .key = resource.key};
+        .desc = resource.desc, .imported = resource.imported, .to_fill = resource.to_fill, .keyed = resource.key.has_value()};
     if (resource.key) {
       planned.to_fill = kept.seen.contains(*resource.key);
       planned.imported = planned.to_fill || kept.filled.contains(*resource.key);
@@ -134,6 +134,9 @@ CompiledGraph compile_graph(const GraphBuilder& builder, const KeptKeys& keys) {
   place_batches(graph.plan);
   alias_memory(graph.plan);
   place_barriers(graph.plan);
+  for (size_t r = 0; r < builder.resources().size(); ++r)
+    if (const auto& key = builder.resources()[r].key) graph.keys.emplace_back(int(r), *key);
+  graph.hash = plan_hash(graph.plan);
   return graph;
 }
 

@@ -11,6 +11,7 @@ namespace candela {
 struct PoolShape {
   uint32_t size_px = 0, layers = 0;
   bool filled = false;  // earlier frames left something in it
+  bool operator==(const PoolShape&) const = default;
 };
 
 // What earlier frames left that this one may take or fill, by key: a hash of all that decides an image's content.

@@ -100,7 +100,7 @@ struct PlanResource {
   std::variant<ImageDesc, BufferDesc> desc;
   bool imported = false, to_fill = false;  // to_fill: imported, and this frame makes what is in it
   bool pooled = false;                     // imported; this frame changes parts of it
-  std::optional<Hash128> key;              // of an image that other frames may find, or that this one found
+  bool keyed = false;                      // other frames may find the image, or this one found it
   Lifetime lifetime = Lifetime::frame;
   VkImageUsageFlags image_usage = 0;  // unions over kept passes: pruning narrows usage too
   VkBufferUsageFlags buffer_usage = 0;

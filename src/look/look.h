@@ -29,6 +29,7 @@ struct Fog {
   double height_m = 0;
   glm::dvec3 lowest{-std::numeric_limits<double>::infinity()}, highest{std::numeric_limits<double>::infinity()};
   double turn_rad = 0;  // of the bounds about +Y through their middle, counter-clockwise seen from above
+  bool operator==(const Fog&) const = default;
 };
 inline constexpr size_t most_fog_boxes = 8;
 
@@ -42,11 +43,13 @@ inline bool is_endless(const Fog& fog) {
 inline constexpr double largest_sun_radius_deg = 45;
 struct Sun {
   double angular_radius_deg = 0.2666;  // 0: a point, with hard shadows
+  bool operator==(const Sun&) const = default;
 };
 
 // Point and spot lights that say nothing of their size (CANDELA_light_size).
 struct LampLook {
   double radius_m = 0;  // of a sphere; 0: points, with hard shadows
+  bool operator==(const LampLook&) const = default;
 };
 
 // Light that lens and eye scatter round bright things: a sum of Gaussians of what is above the threshold. Level k (from
@@ -61,6 +64,7 @@ struct Bloom {
   // What surfaces emit glows, and nothing that is merely lit or lies behind them: a glow mask.
   bool of_emission = false;
   static double variance_px2(size_t level) { return 1.5 * (double(uint64_t(1) << (2 * (level + 1))) - 1); }
+  bool operator==(const Bloom&) const = default;
 };
 
 // A sky without an image. With e the sine of the elevation: horizon + (zenith - horizon) e^exponent above the horizon,
@@ -68,6 +72,7 @@ struct Bloom {
 struct SkyGradient {
   glm::dvec3 zenith{0.25, 0.45, 0.9}, horizon{0.8, 0.85, 0.9}, ground{0.2, 0.18, 0.16};
   double exponent = 0.5;
+  bool operator==(const SkyGradient&) const = default;
 };
 
 // Air of the Earth under the scene's first directional light (scene/atmosphere.h).
@@ -78,6 +83,7 @@ struct Atmosphere {
   double altitude_m = 200;     // of the observer
   // Of the sun above the air, lux; absent: the light's own.
   std::optional<glm::dvec3> sun_lux;
+  bool operator==(const Atmosphere&) const = default;
 };
 
 // A second image over the first: the sky is (1 - weight) first + weight second.
@@ -87,6 +93,7 @@ struct SecondSky {
   double weight = 0;         // 0 to 1
   bool follows_sun = false;  // the weight is 1 - smoothstep(from, to, elevation of the first directional light)
   double from_deg = -18, to_deg = 0;
+  bool operator==(const SecondSky&) const = default;
 };
 
 // What the sky is, and how it stands and shines. At most one of image, gradient and atmosphere; an image of the command
@@ -102,6 +109,7 @@ struct SkyLook {
   std::optional<SecondSky> second;
   std::optional<SkyGradient> gradient;
   std::optional<Atmosphere> atmosphere;
+  bool operator==(const SkyLook&) const = default;
 };
 
 // Exposure by the frame's own luminance: the mean of log2 of the luminances between two percentiles of the picture
@@ -110,16 +118,19 @@ struct AutoExposure {
   double low_percent = 50, high_percent = 95;
   double target = 0.18;  // exposed luminance of that mean
   double min_ev = -16, max_ev = 16;
+  bool operator==(const AutoExposure&) const = default;
 };
 // Values that the command line goes before.
 struct ExposureLook {
   std::optional<double> ev;  // stops; with automatic exposure on top of it
   std::optional<AutoExposure> automatic;
+  bool operator==(const ExposureLook&) const = default;
 };
 inline constexpr double agx_lowest_ev = -12.47393, agx_highest_ev = 4.026069;
 struct ToneMapping {
   std::string curve;                                               // empty: not said
   double agx_min_ev = agx_lowest_ev, agx_max_ev = agx_highest_ev;  // stops of exposed radiance
+  bool operator==(const ToneMapping&) const = default;
 };
 
 // How surfaces near a point hide the sky from it. A ray that meets a surface at distance t is hidden by
@@ -134,11 +145,13 @@ struct Occlusion {
     const double from_end = radius_m - t_m, width = falloff * radius_m;
     return from_end >= width ? 1 : from_end / width;
   }
+  bool operator==(const Occlusion&) const = default;
 };
 
 // The point and spot lights that shadow maps are given to first, by the names of their nodes.
 struct ShadowLook {
   std::vector<std::string> lights;
+  bool operator==(const ShadowLook&) const = default;
 };
 
 // Light of point and spot lights in the air, over the picture: along each of the camera's rays up to the first opaque
@@ -150,11 +163,14 @@ struct Volumetric {
   double tau_per_m = 0.02;
   double anisotropy = 0;        // as Fog's
   bool by_attenuation = false;  // C
+  bool operator==(const Volumetric&) const = default;
 };
 
 // Opaque and masked surfaces reflect each other: where a direction of the specular lobe meets one, its own light comes
 // from there, that of lamps and sky alone, in the place of the sky's. One reflection.
-struct ReflectionLook {};
+struct ReflectionLook {
+  bool operator==(const ReflectionLook&) const = default;
+};
 
 // An image of the scene about a point, taken once, that surfaces in the box reflect instead of the sky, as if what is
 // seen lay on the box's faces. World space, metres. The same for all times of a look.
@@ -162,6 +178,7 @@ struct ReflectionProbe {
   glm::dvec3 position{0}, lowest{0}, highest{0};
   double fade_m = 0.1;  // outside the box, over which the light gives way to what there is without
   double time_s = 0;    // of the scene that it shows
+  bool operator==(const ReflectionProbe&) const = default;
 };
 inline constexpr size_t most_reflection_probes = 8;
 inline constexpr size_t most_motion_files = 1024;  // paths of a look, and instances
@@ -172,10 +189,12 @@ struct LensLook {
   double focus_m = 0;      // along the view axis; infinity: far away; 0: not said
   std::string focus_node;  // the plane goes through the node of this name; empty: focus_m says
   double sensor_mm = 24;   // height of the sensor, which with the field of view gives the focal length
+  bool operator==(const LensLook&) const = default;
 };
 // The shutter is open for so many degrees of 360 a frame, half before the frame's time and half after it.
 struct ShutterLook {
   double angle_deg = 180;
+  bool operator==(const ShutterLook&) const = default;
 };
 
 // What a look file says of the picture beside scene and job.
@@ -197,6 +216,7 @@ struct Look {
   std::optional<ShutterLook> shutter;   // absent: an instant
   std::vector<PathRequest> paths;       // files from the look's folder; the same for all times
   std::vector<InstancesRequest> instances;
+  bool operator==(const Look&) const = default;
 };
 // How many media there are to sum; 0 where the one that there is has closed forms, which know no turned box.
 inline size_t summed_fog(const Look& look) {

@@ -27,6 +27,7 @@ struct PathRequest {
   bool along = false;                 // the path's own direction
   glm::dvec3 up{0, 1, 0};             // world
   std::string front = "auto";         // the node's axis that looks: auto (-z of cameras and lights, else +z), -z or +z
+  bool operator==(const PathRequest&) const = default;
 };
 
 // Instances of a node from a file (docs/paths.md): each is three vectors.
@@ -35,6 +36,7 @@ struct InstancesRequest {
   std::string rotation = "xyz";  // axes about which it is turned one after the other, each as the one before left it
   bool radians = false;
   std::string order = "srt";  // of the three vectors: scale, rotation, translation
+  bool operator==(const InstancesRequest&) const = default;
 };
 
 // Both as JSON, as a look and a job hold them. Keys that say what is so anyway are left out.

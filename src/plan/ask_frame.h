@@ -20,12 +20,15 @@
 
 namespace candela {
 
+class KeptGraphs;  // plan/planned_graph.h
+
 // What does not change with time, made once for a scene.
 struct PlanContext {
   const Scene& scene;
   const GeometryLayout& layout;
   const JobSky* sky = nullptr;            // the job's, as the session read it; without one there is no sky
   const LookFile* look = nullptr;         // the job's, as the session read it; without one plan_frame reads the file
+  KeptGraphs* graphs = nullptr;           // of earlier frames; null: the graph is made anew
   const KeptKeys* kept = nullptr;         // what earlier frames left; null: nothing is kept
   const KeptLamps* kept_lamps = nullptr;  // likewise, of maps of point and spot lights
   const View* face = nullptr;             // of a reflection probe's image, which takes the place of the job's camera

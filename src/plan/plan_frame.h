@@ -11,7 +11,7 @@
 #include "passes/surfaces/relief_knobs.h"
 #include "passes/surfaces/surface_knobs.h"
 #include "passes/surfaces/texture_knobs.h"
-#include "plan/frame_dumps.h"
+#include "plan/planned_graph.h"
 #include "plan/trace_frame.h"
 #include "techniques/frame.h"
 
@@ -26,19 +26,18 @@ struct PlannedFrame : SurveyedFrame, PackedFrame, LitFrame, TracedFrame {
   IblKnobs image_light;
   ProbeKnobs probes;
   bool stores_samples = true;  // as SceneInputs has it
-  CompiledGraph graph;
-  // Of the plan without dumps, and as if nothing were kept from other frames: what is the same picture has the same.
-  Hash128 hash;
-  std::vector<int> imports;  // resource in the plan of each row of the upload table; -1: not in it
-  std::vector<FrameReport> reports;
-  std::vector<FrameOutput> outputs;
-  int counts = -1;  // the buffer of shared::PackCounts in the plan
-  std::vector<FrameDump> dumps;
+  std::optional<Hash128> sun_key, lamp_key;  // as SceneInputs has them
+  std::vector<UploadRow> rows;               // what is uploaded (plan/upload_table.h)
+  std::shared_ptr<PlannedGraph> made;        // the graph, which other frames may share
+  const CompiledGraph& graph() const { return made->graph; }
   std::vector<std::string> notes;  // of all stages
   StageClock clock;                // their times; the sum is all of planning
 };
 // Of a picture of several frames (plan/subframes.h) the one that the context names, else the first of them.
 // The chain of the stages: ask_frame, survey_frame, pack_frame, light_frame, trace_frame, and the graph.
+// `planned` is filled in, whatever frame it held: memory that it has is used again.
+Expected<void> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted, double time_s,
+                          PlannedFrame& planned);
 Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
                                   double time_s);
 // The same for one frame alone; reads the job's sky and look.

@@ -7,12 +7,12 @@
 
 namespace candela {
 
-std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLayout& layout) {
+void upload_table(const PlannedFrame& frame, const GeometryLayout& layout, std::vector<UploadRow>& rows) {
+  rows.clear();
   const FrameUpload& u = frame.upload;
   const LightGrid& grid = frame.light_grid;
   using Inputs = SceneInputs;
   using Constants = shared::FrameConstants;
-  std::vector<UploadRow> rows;
   const auto add = [&](const char* name, BufferHandle Inputs::*input, const auto& values,
                        size_t address = UploadRow::no_address, size_t room = 0) {
     const auto bytes = std::as_bytes(std::span(values));
@@ -112,7 +112,6 @@ std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLay
   // The air is lit where there is nothing else.
   if (u.item_count == 0 && (frame.request.draws_fog() || frame.request.draws_volumetric())) add_lights();
   rows.push_back({"frame.constants", &Inputs::constants, sizeof(Constants), std::as_bytes(std::span(&u.constants, 1))});
-  return rows;
 }
 
 }  // namespace candela

@@ -31,7 +31,7 @@ struct UploadRow {
 };
 
 // Every buffer of the scene and of the frame, each declared here and nowhere else; the constants, which hold the
-// others' addresses, come last. The spans point into `frame`.
-std::vector<UploadRow> upload_table(const PlannedFrame& frame, const GeometryLayout& layout);
+// others' addresses, come last. The spans point into `frame`. rows: whatever it held, its memory is used again.
+void upload_table(const PlannedFrame& frame, const GeometryLayout& layout, std::vector<UploadRow>& rows);
 
 }  // namespace candela

@@ -21,6 +21,7 @@ struct DrawBatch {
   bool is_lines() const { return topology != Topology::triangles; }  // or points
   // Hides what is behind it.
   bool solid() const { return alpha != AlphaMode::blend && !refracts; }
+  bool operator==(const DrawBatch&) const = default;
 };
 
 // Consecutive items in the order of drawing: posed by the host, or those of a group whose sections share their state,

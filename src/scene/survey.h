@@ -43,6 +43,7 @@ struct SceneFacts {
   uint32_t lobes = 0, lobe_textures = 0;        // 1 << Lobe: what visible materials show, and what of it has textures
   std::vector<bool> material_used, image_used;  // by visible items: only these are uploaded and decoded
   std::vector<uint32_t> cut_outs;               // scene/cut_outs.h; only `candela facts` asks
+  bool operator==(const SceneFacts&) const = default;
 };
 // refraction: surfaces that let light through are drawn so; else they are opaque ones.
 SceneFacts survey(const Scene& scene, const Pose& pose, const FrameData& frame, bool environment,

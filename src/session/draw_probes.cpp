@@ -14,10 +14,10 @@ Expected<ProbeFace> draw_face(const Job& job, PlannedFrame& planned, gpu::FrameR
                               std::vector<std::string>& warnings) {
   GpuScene::Uploaded uploaded = gpu_scene.upload(planned);
   warnings.insert(warnings.end(), uploaded.warnings.begin(), uploaded.warnings.end());
-  if (const auto prepared = runner.prepare(planned.graph); !prepared) return std::unexpected(prepared.error());
-  const gpu::FrameRun run = runner.run(planned.graph, uploaded.imports, {}, std::move(uploaded.keep));
+  if (const auto prepared = runner.prepare(planned.graph()); !prepared) return std::unexpected(prepared.error());
+  const gpu::FrameRun run = runner.run(planned.graph(), uploaded.imports, {}, std::move(uploaded.keep));
   ProbeFace face(size_t(job.width_px) * size_t(job.height_px) * 4);
-  for (const FrameOutput& output : planned.outputs) {
+  for (const FrameOutput& output : planned.made->outputs) {
     if (output.layer != "beauty") continue;
     CHECK(output.format == VK_FORMAT_R32G32B32A32_SFLOAT);
     const std::span<const std::byte> bytes = run.readbacks.at(output.resource)->bytes();

@@ -13,13 +13,13 @@ std::string_view bytes_of(const std::vector<T>& values) {
 
 FrameWork work_of(const PlannedFrame& f) {
   FrameWork result;
-  std::string work = plan_hash(f.graph.plan).hex();
+  std::string work = f.graph().hash.hex();
   work += std::string_view(reinterpret_cast<const char*>(&f.upload.constants), sizeof f.upload.constants);
   for (const std::string_view bytes : {bytes_of(f.upload.lights), bytes_of(f.light_grid.bounds),
                                        bytes_of(f.light_grid.chunks), bytes_of(f.light_grid.globals)})
     work += fmt::format("{} ", bytes.size()), work += bytes;
   result.hash = hash128(work);
-  for (const PlanPass& pass : f.graph.plan.passes) result.passes.emplace(pass.pass());
+  for (const PlanPass& pass : f.graph().plan.passes) result.passes.emplace(pass.pass());
   return result;
 }
 

@@ -322,16 +322,18 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
   if (frame.facts.probes > 0) probes_.write(c.probes);
   c.split_sum_texture = split_sum_index_;
   c.split_sum_sampler = split_sum_sampler_;
-  const std::vector<UploadRow> rows = upload_table(frame, layout_);
+  upload_table(frame, layout_, frame.rows);
+  const std::vector<UploadRow>& rows = frame.rows;
+  const std::vector<int>& resources = frame.made->imports;
   for (size_t i = 0; i < rows.size(); ++i) {
     const UploadRow& row = rows[i];
-    if (frame.imports[i] < 0) continue;
+    if (resources[i] < 0) continue;
     // lavapipe 25.0.7 loads from an address that is the same in all lanes even where no lane takes the branch: it must
     // be valid.
     if (c.grid.globals == 0 && &row == &rows.back())
       c.grid.globals = address_in(*own, frame.upload.light_groups.empty() ? "frame.lights" : "frame.light_groups");
     if (row.key) {
-      uploaded.imports[frame.imports[i]] = &shared_buffer(row, uploaded)->buffer;
+      uploaded.imports[resources[i]] = &shared_buffer(row, uploaded)->buffer;
       continue;
     }
     FrameBuffer* const filled = row.bytes.empty() && !row.to_fill ? nullptr : &(*own)[row.name];
@@ -340,7 +342,7 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
     else if (filled)
       fill(*filled, row);
     const gpu::Buffer& buffer = filled ? filled->buffer : scene_buffers_[row.name];
-    uploaded.imports[frame.imports[i]] = &buffer;
+    uploaded.imports[resources[i]] = &buffer;
     if (row.address_offset == UploadRow::no_address) continue;
     const uint64_t address = buffer.address();
     std::memcpy(reinterpret_cast<std::byte*>(&c) + row.address_offset, &address, sizeof address);

@@ -67,7 +67,7 @@ class DeviceSession : public Session {
   // What a frame's result needs beside what the device leaves.
   struct Begun {
     FrameResult result;
-    std::vector<FrameReport> reports;
+    std::shared_ptr<const PlannedGraph> made;  // whose reports are read
     std::string refusal;                // why the device's picture is not the frame's
     std::vector<KnobSetting> enlarged;  // with which it would be
     bool hash_outputs = false;
@@ -111,6 +111,7 @@ class DeviceSession : public Session {
   std::unique_ptr<gpu::FrameRunner> runner_;
   std::map<FrameTicket, Begun> begun_;
   std::unique_ptr<SubframeSums> sums_;
+  KeptGraphs graphs_;
 };
 
 Expected<void> DeviceSession::load() {
@@ -301,6 +302,7 @@ Expected<FrameTicket> DeviceSession::begin_frame(const Job& job, double time_s, 
   const uint64_t allocations_before = heap_allocations();
   PlanContext context = plan_context();
   context.subframe = subframe;
+  context.graphs = &graphs_;
   const KeptKeys kept = kept_ ? kept_->keys() : KeptKeys{};
   if (kept_) context.kept = &kept;
   const KeptLamps kept_lamps{lamp_pool_, settings_.kept_bytes};
@@ -337,34 +339,34 @@ Expected<FrameTicket> DeviceSession::begin_frame(const Job& job, double time_s, 
     result.window = picture_window(job_);
     result.width_px = result.window.part.width, result.height_px = result.window.part.height;
     result.view = planned->view, result.request = planned->request;
-    result.outputs = planned->outputs;
+    result.outputs = planned->made->outputs;
     result.pre_exposure = planned->upload.constants.pre_exposure;
-    result.plan_hash = planned->hash, result.rays = planned->rays;
-    result.dumps = std::move(planned->dumps);
-    result.left_out = planned->graph.plan.left_out, result.plan = std::move(planned->graph.plan);
+    result.plan_hash = planned->made->hash, result.rays = planned->rays;
+    result.dumps = planned->made->dumps;
+    result.plan = {planned->made, &planned->made->graph.plan};
     result.notes = std::move(planned->notes);
     if (!left_out_.empty()) result.warnings.push_back(left_out_);
-    begun.reports = std::move(planned->reports);
-    begun.hash_outputs = hash_outputs, begun.counts = planned->counts;
+    begun.made = planned->made;
+    begun.hash_outputs = hash_outputs, begun.counts = planned->made->counts;
     begun_.emplace(*ticket, std::move(begun));
     return ticket;
   } catch (const gpu::GpuError& e) {
     // Not begun again with less in memory: what was half made when memory ended, an image on the device without its
     // content, would be taken for whole, and the frame would be another.
-    return std::unexpected(failed(e, planned->graph.plan));
+    return std::unexpected(failed(e, planned->graph().plan));
   }
 }
 
 Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun& begun, bool hash_outputs) {
   Timings& t = begun.result.timings;
   // Pipelines know nothing of texels and memory: they are made while textures are decoded and images allocated.
-  const bool fresh = !runner_->is_compiled(planned.graph);
+  const bool fresh = !runner_->is_compiled(planned.graph());
   Timings compiling_times;
   std::future<Expected<gpu::PrepareTimes>> compiling;
   if (fresh)
     compiling = std::async(std::launch::async, [&] {
       const StageTimer timer(compiling_times, "compile", "compile");
-      return runner_->compile(planned.graph);
+      return runner_->compile(planned.graph());
     });
   const double upload_start = process_clock_us();
   GpuScene::Uploaded uploaded = gpu_scene_->upload(planned);
@@ -374,31 +376,32 @@ Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun&
   t.spans.push_back({"decode and upload", "cpu", upload_start, process_clock_us() - upload_start});
   {
     const StageTimer timer(t, "allocate");
-    runner_->allocate(planned.graph);
+    runner_->allocate(planned.graph());
   }
   if (fresh)
     if (const auto compiled = compiling.get(); !compiled) return std::unexpected(compiled.error());
   t.add("compile", compiling_times.total("compile"));
   t.spans.insert(t.spans.end(), compiling_times.spans.begin(), compiling_times.spans.end());
-  if (const auto prepared = runner_->prepare(planned.graph); !prepared) return std::unexpected(prepared.error());
-  sums_->import(planned.graph.plan, uploaded.imports, uploaded.keep);
+  if (const auto prepared = runner_->prepare(planned.graph()); !prepared) return std::unexpected(prepared.error());
+  sums_->import(planned.graph().plan, uploaded.imports, uploaded.keep);
   // Until the frame is handed over nobody knows what it leaves there.
   if (planned.lamps.pool) lamp_pool_ = {};
   const KeptImages kept = kept_images(planned, kept_.get(), lamp_image_);
+  uploaded.keep.push_back(planned.made);
   uploaded.keep.insert(uploaded.keep.end(), kept.held.begin(), kept.held.end());
   if (settings_.timed && fresh) {
     // Drivers finish compiling at a pipeline's first use: an untimed run first, so that passes are charged their own
     // work.
     const StageTimer timer(t, "warm_up");
-    runner_->run(planned.graph, uploaded.imports, {.images = kept.by_resource}, uploaded.keep);
+    runner_->run(planned.graph(), uploaded.imports, {.images = kept.by_resource}, uploaded.keep);
   }
   if (settings_.overlap) {
     const StageTimer timer(t, "overlap");
-    t.overlap = measure_overlap(*runner_, *device_, planned.graph, uploaded.imports, kept.by_resource);
+    t.overlap = measure_overlap(*runner_, *device_, planned.graph(), uploaded.imports, kept.by_resource);
   }
   const double submit_start = process_clock_us();
   const FrameTicket ticket = runner_->submit(
-      planned.graph, uploaded.imports,
+      planned.graph(), uploaded.imports,
       {.timed = settings_.timed, .hash_outputs = hash_outputs, .images = kept.by_resource}, std::move(uploaded.keep));
   for (const auto& [key, image] : kept.filled) kept_->insert(key, image);
   if (planned.lamps.pool && lamp_image_) lamp_pool_ = *planned.lamps.pool, lamp_pool_.fresh = false;
@@ -430,7 +433,7 @@ Expected<FrameResult> DeviceSession::finish(FrameTicket ticket) {
       begun.result.timings.spans.push_back({"wait", "cpu", start, process_clock_us() - start});
       take_run(std::move(run), begun);
     } catch (const gpu::GpuError& e) {
-      if (!error) error = failed(e, begun.result.plan);
+      if (!error) error = failed(e, *begun.result.plan);
     }
   }
   if (error) return std::unexpected(*error);
@@ -474,7 +477,7 @@ void DeviceSession::take_run(gpu::FrameRun run, Begun& begun) {
     result.counts.resize(bytes.size() / sizeof(shared::PackCounts));
     std::memcpy(result.counts.data(), bytes.data(), result.counts.size() * sizeof(shared::PackCounts));
   }
-  for (const FrameReport& report : begun.reports) {
+  for (const FrameReport& report : begun.made->reports) {
     const auto found = result.readbacks.find(report.resource);
     if (found == result.readbacks.end()) continue;
     const std::span<const std::byte> bytes = found->second->bytes();

@@ -67,8 +67,7 @@ struct FrameResult {
   std::vector<shared::PackCounts> counts;                   // by FrameOutput::counts
   double pre_exposure = 1;                                  // linear outputs are divided by it when encoded
   Hash128 plan_hash;
-  FramePlan plan;
-  std::vector<LeftOut> left_out;
+  std::shared_ptr<const FramePlan> plan;  // with what was left out of it; frames share it
   std::shared_ptr<const FrameRays> rays;  // the trees that it sent rays through; null: none
   Timings timings;
   std::vector<gpu::PassHash> hashes;  // when asked for

@@ -107,11 +107,11 @@ Json timings_json(const FrameResult& frame, const Job& job, const Session& sessi
                     {"one_queue_ms", overlap->one_queue_ms}};
   j["cpu_ms"] = cpu_json(session.opening(), frame.timings);
   j["process_ms"] = process_clock_us() * 1e-3;
-  j["memory"] = memory_json(session, frame.plan);
+  j["memory"] = memory_json(session, *frame.plan);
   j["uploaded_bytes"] = uploaded_json(session.opening(), frame.timings);
   j["heap_allocations"] = frame.timings.heap_allocations;
   j["left_out"] = Json::array();
-  for (const LeftOut& left : frame.left_out) j["left_out"].push_back({{"pass", left.pass}, {"reason", left.reason}});
+  for (const LeftOut& left : frame.plan->left_out) j["left_out"].push_back({{"pass", left.pass}, {"reason", left.reason}});
   j["job"] = own_json(job_json(job));
   return j;
 }

@@ -18,8 +18,7 @@ namespace {
 void become_subframe(SceneInputs& scene, const SubframePart& part) {
   scene.is_subsample = true;
   scene.features = with_subsample(std::move(scene.features));
-  scene.subsample = part.index, scene.subsamples = part.count;
-  scene.subsample_ndc = glm::vec2(2.0 * part.offset_px / glm::dvec2(scene.width_px, scene.height_px));
+  scene.subsamples = part.count;
 }
 
 // The mean of a grid of pictures, each from its own point of every pixel. Lists of lights by tiles follow the depth and
@@ -33,6 +32,7 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
   sample.features = with_subsample(scene.features);
   const uint32_t pictures = grid.x * grid.y;
   sample.subsample_footprint = 1 / std::sqrt(float(pictures));
+  sample.supersamples = pictures, sample.supersample_grid = grid;
   sample.subsamples = scene.subsamples * pictures;
   ImageHandle sum;
   const bool divided = bool(Terms{}.needed(frame.facts, frame.request));
@@ -44,9 +44,8 @@ ImageHandle supersampled(Frame& frame, const SceneInputs& scene, const Technique
   };
   for (uint32_t i = 0; i < pictures; ++i) {
     const std::string instance = fmt::format("s{:02}", i);
-    sample.subsample = scene.subsample * pictures + i;
-    const glm::dvec2 offset_px = subsample_offset_px(grid, i) + frame.request.part.offset_px / glm::dvec2(grid);
-    sample.subsample_ndc = glm::vec2(2.0 * offset_px / glm::dvec2(scene.width_px, scene.height_px));
+    sample.supersample = i;
+    sample.supersample_px = subsample_offset_px(grid, i);
     const Surfaces seen = seen_again(frame, sample, surfaces, instance);
     Lighting lit = lighting;
     if (scene.light_grid.tiled) lit = lighting.with_cells(light_cells(frame, sample, seen, instance));

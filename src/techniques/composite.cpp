@@ -45,7 +45,6 @@ Reflected reflections(Frame& frame, const SceneInputs& scene, const Surfaces& su
         newest(frame.add(Resolve{}, {color, scene.width_px, scene.height_px, scene.samples}, resolved).resolved, color);
   in.has_sky = frame.facts.environment || request.neutral_light;
   in.seed = request.still_seed;
-  in.subsample = scene.subsample, in.subsamples = scene.subsamples;
   return frame.add(Reflections{}, in, instance).reflected;
 }
 

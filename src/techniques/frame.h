@@ -7,6 +7,7 @@
 
 #include "base/fields.h"
 #include "passes/post/pack.h"
+#include "passes/shared/frame_values.h"
 #include "passes/shared/knob_values.h"
 #include "passes/shared/pass.h"
 
@@ -48,6 +49,7 @@ struct Frame {
   // Called behind each pass that is added, with its instance's name: what looks at a frame without being part of it.
   std::function<void(Frame&, const std::string&)> observe = {};
   int counts = -1;  // the buffer of shared::PackCounts in the plan
+  const FrameValues& values = FrameValues::none;  // for recording alone
 
   // Adds a pass and returns its outputs; empty ones, which carry the reason, when the pass says it is not needed or a
   // required input is empty (docs/design.md, "Leaving out"). A pass that stands in the frame several times has an

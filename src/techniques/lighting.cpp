@@ -38,11 +38,6 @@ Lighting light_lists(Frame& frame, const SceneInputs& scene, ImageHandle depth, 
   return {grid.compact ? offsets : assigned.lists, entries, tiles};
 }
 
-// Of what casts the views' shadows, in an image of that format.
-Hash128 depth_image_key(const Hash128& key, bool floats, bool open_sides) {
-  return hash128(std::as_bytes(std::span(&key, 1)), (floats ? 1 : 0) + (open_sides ? 2 : 0));
-}
-
 // What the views of an image show, drawn or kept from before; without the image the reason why it is not there.
 // And what see-through surfaces leave of the light (ColoredShadows, DeepShadows), where maps are drawn. as_depth:
 // samplers compare with the image or passes draw over it; otherwise depths from compute are plain floats, which a GPU
@@ -76,8 +71,7 @@ LightMaps light_maps(Frame& frame, const SceneInputs& scene, const Surfaces& sur
     out.depth = frame.add(DepthViews{}, {scene, draws, surfaces.deformed, image}, instance).depth;
   if (image->apart && out.depth) frame.builder.pool(out.depth);
   if (key && out.depth)
-    frame.builder.keep(out.depth, depth_image_key(*key, floats, scene.open_sides),
-                       "kept from before: nothing that casts has moved");
+    frame.builder.keep(out.depth, *key, "kept from before: nothing that casts has moved");
   const ColoredShadows::In in{scene, draws, surfaces.deformed, image, out.depth, frame.facts.refracting_bodies > 0};
   out.colors = frame.add(ColoredShadows{}, in, instance).colors;
   out.deep = frame.add(DeepShadows{}, {scene, draws, surfaces.deformed, image, out.depth}, instance).deep;
@@ -116,9 +110,8 @@ OcclusionTexels ambient_occlusion(Frame& frame, const SceneInputs& scene, const 
   AmbientOcclusion pass;
   pass.knobs = frame.knobs.get<AmbientOcclusion::Knobs>();
   AmbientOcclusion::In in{scene, depth};
-  in.look = frame.request.look.occlusion.value_or(Occlusion{});
+  in.look = Live<Occlusion>::of(frame.values.occlusion);
   in.seed = frame.request.still_seed;
-  in.subsample = scene.subsample, in.subsamples = scene.subsamples;
   return {frame.add(pass, in, instance).open, pass.shape(scene), pass.traced(frame.facts, frame.request)};
 }
 

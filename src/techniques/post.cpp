@@ -17,8 +17,8 @@ namespace candela {
 namespace {
 
 Exposure::In exposure_in(const Frame& frame, const SceneInputs& scene, ImageHandle linear) {
-  Exposure::In in{linear, scene.width_px, scene.height_px, {}, std::exp2(-frame.request.pre_exposure_ev)};
-  in.look = frame.request.look.exposure.automatic.value_or(AutoExposure{});
+  Exposure::In in{linear, scene.width_px, scene.height_px, Live<AutoExposure>::of(frame.values.auto_exposure),
+                  Live<float>::of(frame.values.radiance_scale)};
   return in;
 }
 
@@ -29,19 +29,19 @@ Tonemap::In tonemap_in(const Frame& frame, const SceneInputs& scene, ImageHandle
   in.curve = ToneCurve(std::find(curves.begin(), curves.end(), request.tonemap) - curves.begin());
   in.bits = uint32_t(request.display_bits);
   in.dither = request.dither;
-  in.exposure = std::exp2(request.exposure_ev - request.pre_exposure_ev);
-  in.seed = request.noise_seed;
+  in.exposure = Live<float>::of(frame.values.exposure);
+  in.seed = Live<uint32_t>::of(frame.values.noise_seed);
   in.behind_rgb = request.behind_rgb;
-  in.agx_min_ev = float(request.look.tone_mapping.agx_min_ev);
-  in.agx_max_ev = float(request.look.tone_mapping.agx_max_ev);
+  in.agx_min_ev = Live<float>::of(frame.values.agx_min_ev);
+  in.agx_max_ev = Live<float>::of(frame.values.agx_max_ev);
   return in;
 }
 
 BloomPass::In bloom_in(const Frame& frame, const SceneInputs& scene, ImageHandle linear, ImageHandle emission) {
   const FrameRequest& request = frame.request;
   BloomPass::In in{linear, scene.width_px, scene.height_px};
-  if (request.look.bloom) in.look = *request.look.bloom;
-  in.exposure = std::exp2(request.exposure_ev - request.pre_exposure_ev);
+  in.look = Live<Bloom>::of(frame.values.bloom);
+  in.exposure = Live<float>::of(frame.values.exposure);
   in.glow_wanted = request.has_layer("bloom");
   in.source = emission;
   return in;
@@ -73,7 +73,7 @@ void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, cons
     picture =
         newest(frame.add(Resolve{}, {radiance, scene.width_px, scene.height_px, scene.samples}).resolved, radiance);
   VolumetricLight::In volumetric{scene, picture, surfaces.looked_up, lighting.unoccluded()};
-  volumetric.look = frame.request.look.volumetric.value_or(Volumetric{});
+  volumetric.look = Live<Volumetric>::of(frame.values.volumetric);
   volumetric.layer_wanted = frame.request.has_layer("volumetric");
   const VolumetricLight::Out aired = is_mean ? VolumetricLight::Out{} : frame.add(VolumetricLight{}, volumetric);
   ImageHandle linear = newest(aired.color, picture);
@@ -92,10 +92,10 @@ void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, cons
   }
   MotionBlur::In moved{scene, linear, {}, surfaces.looked_up};
   moved.motion = published(frame, "motion");
-  moved.share = float(request.motion_share), moved.seed = request.noise_seed;
+  moved.share = Live<float>::of(frame.values.motion_share), moved.seed = Live<uint32_t>::of(frame.values.noise_seed);
   linear = newest(frame.add(MotionBlur{}, moved).color, linear);
   SmoothEdges::In edges{linear, scene.width_px, scene.height_px,
-                        std::exp2(request.exposure_ev - request.pre_exposure_ev)};
+                        Live<float>::of(frame.values.exposure)};
   linear = newest(frame.add(SmoothEdges{}, edges).color, linear);
   const ImageHandle bloomed = newest(frame.add(BloomPass{}, bloom_in(frame, scene, linear, emission)).color, linear);
   Tonemap::In shown = tonemap_in(frame, scene, bloomed);

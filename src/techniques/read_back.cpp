@@ -74,7 +74,7 @@ void read_back(Frame& frame, const SceneInputs& scene, ImageHandle beauty, Image
     Pack::In::Source source{name, each.image, output.format};
     if (each.stored) source.packing = output.packing;
     source.components = output.components;
-    if (output.carries_exposure) source.scale = float(1.0 / double(std::exp2(request.pre_exposure_ev)));
+    if (output.carries_exposure) source.scale = Live<float>::of(frame.values.stored_scale);
     source.look = request.look_nonfinite && output.layer != "display";
     source.cover = output.layer == "beauty" && request.shows_through;
     source.depth = output.layer == "depth";

@@ -21,7 +21,7 @@ void add_to_sum(Frame& frame, const SceneInputs&, const std::string& name, Image
   in.sum = frame.builder.import_buffer(sum_desc(part, sum_after, name), GraphBuilder::Import::to_fill);
   in.first_px = part.first_px;
   in.width_px = uint32_t(part.width_px), in.height_px = uint32_t(part.height_px);
-  in.index = part.index, in.count = part.count;
+  in.index = Live<uint32_t>::of(frame.values.subframe), in.count = part.count;
   frame.builder.sink(frame.add(Subframes{}, in, name == "beauty" ? "" : name).sum);
 }
 

@@ -247,7 +247,7 @@ TEST_F(FrameDeferred, GuardsOfVolumesChangeNoBit) {
       const auto session = open(guarded);
       ASSERT_TRUE(session);
       const FrameResult result = render(*session);
-      const bool marked = std::ranges::any_of(result.plan.resources,
+      const bool marked = std::ranges::any_of(result.plan->resources,
                                               [](const PlanResource& r) { return r.name() == "light_volumes.marks"; });
       EXPECT_EQ(marked, std::string_view(guard) == "stencil");
       if (first.empty())

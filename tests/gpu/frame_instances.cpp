@@ -17,7 +17,7 @@ class PosedItems : public FrameTest {
     return job;
   }
   static bool poses(const FrameResult& frame) {
-    return std::ranges::any_of(frame.plan.passes, [](const PlanPass& p) { return p.name == "pose_items"; });
+    return std::ranges::any_of(frame.plan->passes, [](const PlanPass& p) { return p.name == "pose_items"; });
   }
 };
 
@@ -86,7 +86,7 @@ TEST_F(PosedItems, GiveTheBytesOfTheHostsPoseWithShadowMaps) {
       const FrameResult frame = render(*session, 1.3);
       EXPECT_EQ(poses(frame), on_device);
       for (const char* maps : {"cull.sun", "cull.local"})
-        EXPECT_TRUE(std::ranges::any_of(frame.plan.passes, [&](const PlanPass& p) { return p.name == maps; })) << maps;
+        EXPECT_TRUE(std::ranges::any_of(frame.plan->passes, [&](const PlanPass& p) { return p.name == maps; })) << maps;
       both.push_back(images(frame));
     }
     EXPECT_TRUE(both[0] == both[1]) << technique;

@@ -22,7 +22,7 @@ class KeptMaps : public FrameTest {
     return job;
   }
   static bool draws_maps(const FrameResult& result) {
-    return std::ranges::any_of(result.plan.passes, [](const PlanPass& p) { return p.name == "depth_views.sun"; });
+    return std::ranges::any_of(result.plan->passes, [](const PlanPass& p) { return p.name == "depth_views.sun"; });
   }
   static int left_out_as_kept(const FrameResult& result) {
     return int(std::ranges::count_if(result.left_out, [](const LeftOut& left) {

@@ -30,10 +30,10 @@ class FrameLightRays : public FrameTest {
     return {result.plan, images(result)["beauty"]};
   }
   static bool holds(const Drawn& result, std::string_view pass) {
-    return std::ranges::any_of(result.plan.passes, [&](const PlanPass& p) { return p.name.starts_with(pass); });
+    return std::ranges::any_of(result.plan->passes, [&](const PlanPass& p) { return p.name.starts_with(pass); });
   }
   static bool shades_without_records(const Drawn& result) {
-    return std::ranges::any_of(result.plan.pipelines, [](const PipelineDesc& p) {
+    return std::ranges::any_of(result.plan->pipelines, [](const PipelineDesc& p) {
       const auto* compute = std::get_if<ComputePipelineDesc>(&p);
       return compute && compute->shader.find("WITHOUT_RECORDS") != std::string::npos;
     });
@@ -120,7 +120,7 @@ TEST_F(FrameLightRays, AreLeftOutWithAReason) {
         std::pair(cells, "cells of the view know some lights' shadows: shading sends the rays that they leave"),
         std::pair(inside, "shading sends the rays itself (light_rays.apart)")}) {
     const Drawn result = drawn(job);
-    EXPECT_TRUE(std::ranges::any_of(result.plan.left_out, [&](const LeftOut& l) {
+    EXPECT_TRUE(std::ranges::any_of(result.plan->left_out, [&](const LeftOut& l) {
       return l.pass == "light_rays" && l.reason == reason;
     })) << reason;
   }

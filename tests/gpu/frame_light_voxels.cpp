@@ -191,7 +191,7 @@ TEST_F(FrameLightVoxels, AreLeftOutWhereNothingCasts) {
     const auto session = open(job);
     ASSERT_TRUE(session);
     const FrameResult result = render(*session);
-    EXPECT_TRUE(std::ranges::any_of(result.plan.left_out, [&](const LeftOut& l) {
+    EXPECT_TRUE(std::ranges::any_of(result.plan->left_out, [&](const LeftOut& l) {
       return l.pass == "light_voxels" && l.reason == reason;
     })) << reason;
   }

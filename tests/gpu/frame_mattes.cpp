@@ -219,8 +219,8 @@ TEST_F(FrameMattes, ChangeNothingElse) {
     const auto session = open(job);
     const FrameResult result = render(*session);
     EXPECT_EQ(images(result)["beauty"], with["beauty"]);
-    for (const PlanPass& pass : result.plan.passes) EXPECT_FALSE(pass.name.starts_with("matte")) << pass.name;
-    for (const PlanResource& resource : result.plan.resources)
+    for (const PlanPass& pass : result.plan->passes) EXPECT_FALSE(pass.name.starts_with("matte")) << pass.name;
+    for (const PlanResource& resource : result.plan->resources)
       EXPECT_EQ(resource.name().find("matte"), std::string::npos) << resource.name();
   }
 }

@@ -54,7 +54,7 @@ class FrameMetaballs : public FrameTest {
     return job;
   }
   static bool holds(const FrameResult& result, const std::string& what) {
-    return std::ranges::any_of(result.plan.resources,
+    return std::ranges::any_of(result.plan->resources,
                                [&](const PlanResource& r) { return r.name().find(what) != std::string::npos; });
   }
 };
@@ -113,7 +113,7 @@ TEST_F(FrameMetaballs, ScenesWithoutThemHoldNothingOfThem) {
   const FrameResult result = render(*session);
   EXPECT_FALSE(holds(result, "metaball"));
   EXPECT_FALSE(holds(result, "posed.items"));
-  for (const PlanPass& pass : result.plan.passes) EXPECT_NE(pass.name, "metaballs");
+  for (const PlanPass& pass : result.plan->passes) EXPECT_NE(pass.name, "metaballs");
   // Nor frames in which no body has a surface.
   GltfBuilder b = alone();
   b.json["nodes"][1]["extensions"]["CANDELA_metaballs"]["threshold"] = 3;

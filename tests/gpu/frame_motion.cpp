@@ -56,7 +56,7 @@ class FrameMotion : public FrameTest {
     EXPECT_GE(seen, least);
   }
   static bool holds(const FrameResult& result, const std::string& what) {
-    return std::ranges::any_of(result.plan.resources,
+    return std::ranges::any_of(result.plan->resources,
                                [&](const PlanResource& r) { return r.name().find(what) != std::string::npos; });
   }
 };
@@ -103,7 +103,7 @@ TEST_F(FrameMotion, OfMorphsAndSkins) {
     const FrameResult still = render(*session, 2);
     expect_motion(images(still), uint32_t(square), {}, 60);
     EXPECT_FALSE(holds(still, "frame.motion")) << skinned;
-    for (const PlanPass& pass : still.plan.passes) EXPECT_NE(pass.name, "deform.before");
+    for (const PlanPass& pass : still.plan->passes) EXPECT_NE(pass.name, "deform.before");
   }
 }
 

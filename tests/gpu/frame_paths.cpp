@@ -20,7 +20,7 @@ class FramePaths : public FrameTest {
     job.paths.push_back(std::move(*path));
   }
   static bool has_pass(const FrameResult& frame, const std::string& name) {
-    return std::ranges::any_of(frame.plan.passes, [&](const PlanPass& p) { return p.name == name; });
+    return std::ranges::any_of(frame.plan->passes, [&](const PlanPass& p) { return p.name == name; });
   }
 };
 

@@ -26,10 +26,10 @@ class FrameRegion : public FrameTest {
     const auto session = open(job, wanted);
     ASSERT_TRUE(session);
     const FrameResult result = render(*session, time_s);
-    EXPECT_EQ(result.plan.parts.has_value(), restricted);
-    if (result.plan.parts) {
-      EXPECT_LT(result.plan.parts->shaded.width * result.plan.parts->shaded.height, all.width_px * all.height_px);
-      EXPECT_TRUE(holds(result.plan.parts->seen, result.plan.parts->shaded));
+    EXPECT_EQ(result.plan->parts.has_value(), restricted);
+    if (result.plan->parts) {
+      EXPECT_LT(result.plan->parts->shaded.width * result.plan->parts->shaded.height, all.width_px * all.height_px);
+      EXPECT_TRUE(holds(result.plan->parts->seen, result.plan->parts->shaded));
     }
     const Images part = images(result);
     ASSERT_EQ(part.size(), whole.size());

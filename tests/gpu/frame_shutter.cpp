@@ -136,7 +136,7 @@ TEST_F(FrameShutter, OneFrameIsGatheredAlongItsMotion) {
   const auto session = open(job);
   const FrameResult frame = render(*session, 1);
   const double gathered = rmse_of(images(frame)["beauty"].values<glm::vec4>());
-  EXPECT_TRUE(std::ranges::any_of(frame.plan.passes, [](const PlanPass& p) { return p.name == "motion_blur"; }));
+  EXPECT_TRUE(std::ranges::any_of(frame.plan->passes, [](const PlanPass& p) { return p.name == "motion_blur"; }));
   Job sharp = job;
   sharp.shutter_s.reset();
   const double still = rmse_of(beauty(sharp, 1));
@@ -176,7 +176,7 @@ TEST_F(FrameShutter, IsLeftOutWithoutShutterAndLens) {
   Job job = job_for(mover(1), side, side, 1);
   const auto session = open(job);
   const FrameResult plain = render(*session, 1);
-  for (const PlanPass& pass : plain.plan.passes) EXPECT_FALSE(pass.name.starts_with("subframes")) << pass.name;
+  for (const PlanPass& pass : plain.plan->passes) EXPECT_FALSE(pass.name.starts_with("subframes")) << pass.name;
   EXPECT_TRUE(std::ranges::any_of(plain.left_out, [](const LeftOut& p) {
     return p.pass == "subframes" && p.reason.find("--shutter") != std::string::npos;
   }));

@@ -89,7 +89,7 @@ class PosedLights : public FrameTest {
     return job;
   }
   static bool in_plan(const FrameResult& frame, std::string_view pass) {
-    return std::ranges::any_of(frame.plan.passes, [&](const PlanPass& p) { return p.name == pass; });
+    return std::ranges::any_of(frame.plan->passes, [&](const PlanPass& p) { return p.name == pass; });
   }
 };
 

@@ -503,7 +503,7 @@ TEST(SweepPlaces, WhatChangesThePlanIsSweptAndChangesPassesThatFollowTheTable) {
     for (const std::string& setting : knob.required) job.settings.push_back(*parse_knob_setting(setting));
     const auto frame = plan_frame(job, {*scene, *layout, &*sky}, {}, 0);
     EXPECT_TRUE(frame) << settings_text(job) << ": " << frame.error().text();
-    return frame ? frame->graph.plan : FramePlan{};
+    return frame ? frame->graph().plan : FramePlan{};
   };
   for (const std::string& technique : technique_names()) {
     job.technique = technique;

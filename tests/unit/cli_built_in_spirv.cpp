@@ -38,11 +38,11 @@ class PlannedShaders {
   void add(const Job& job, const Scene& scene, const WantedOutputs& wanted, double time_s) {
     const auto frame = plan_frame(job, scene, wanted, time_s);
     ASSERT_TRUE(frame) << job.scene << ": " << frame.error().text();
-    add(frame->graph.plan);
+    add(frame->graph().plan);
     if (frame->facts.probes == 0) return;
     const auto probe = plan_frame(probe_job(job, frame->probes), scene, WantedOutputs{}, time_s);
     ASSERT_TRUE(probe) << job.scene << ": " << probe.error().text();
-    add(probe->graph.plan);
+    add(probe->graph().plan);
   }
 
  private:

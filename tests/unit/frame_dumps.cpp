@@ -53,10 +53,10 @@ class DumpPlan : public ::testing::Test {
 TEST_F(DumpPlan, StandBehindTheirPassAndKeepThePlansHash) {
   const auto without = plan({}), with = plan({"depth_prepass.depth", "shade_forward.depth", "resolve.resolved"});
   ASSERT_TRUE(without && with);
-  EXPECT_EQ(without->hash, plan_hash(without->graph.plan));
+  EXPECT_EQ(without->hash, plan_hash(without->graph().plan));
   EXPECT_EQ(with->hash, without->hash);
   ASSERT_EQ(with->dumps.size(), 3u);
-  const FramePlan& plan = with->graph.plan;
+  const FramePlan& plan = with->graph().plan;
   const auto place = [&](std::string_view name) {
     for (size_t i = 0; i < plan.passes.size(); ++i)
       if (plan.passes[i].name == name) return int(i);
@@ -65,8 +65,8 @@ TEST_F(DumpPlan, StandBehindTheirPassAndKeepThePlansHash) {
   EXPECT_EQ(place("dump.0"), place("depth_prepass") + 1);
   EXPECT_EQ(place("dump.1"), place("shade_forward") + 1);
   EXPECT_EQ(place("dump.2"), place("resolve") + 1);
-  EXPECT_EQ(plan.passes.size(), without->graph.plan.passes.size() + 3);
-  EXPECT_EQ(plan.left_out.size() + 1, without->graph.plan.left_out.size());  // dump
+  EXPECT_EQ(plan.passes.size(), without->graph().plan.passes.size() + 3);
+  EXPECT_EQ(plan.left_out.size() + 1, without->graph().plan.left_out.size());  // dump
   EXPECT_EQ(plan.resources[size_t(with->dumps[0].resource)].name(), "dump.depth");
   EXPECT_EQ(with->outputs.size(), without->outputs.size());
 }
@@ -74,7 +74,7 @@ TEST_F(DumpPlan, StandBehindTheirPassAndKeepThePlansHash) {
 // What the background covers is unwritten behind the surfaces' pass.
 TEST_F(DumpPlan, WhatIsSeenEarlyIsCleared) {
   const auto covered = [](const PlannedFrame& frame) {
-    for (const PlanResource& resource : frame.graph.plan.resources)
+    for (const PlanResource& resource : frame.graph().plan.resources)
       if (resource.is_image() && resource.name() == "color") return std::get<ImageDesc>(resource.desc).covered;
     ADD_FAILURE();
     return false;

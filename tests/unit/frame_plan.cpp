@@ -37,16 +37,16 @@ PlannedFrame plan(const Scene& scene, const Job& job = small_job(), const Wanted
 
 std::vector<std::string> kept(const PlannedFrame& frame) {
   std::vector<std::string> names;
-  for (const PlanPass& pass : frame.graph.plan.passes) names.push_back(pass.name);
+  for (const PlanPass& pass : frame.graph().plan.passes) names.push_back(pass.name);
   return names;
 }
 bool has(const PlannedFrame& frame, const std::string& pass) {
-  for (const PlanPass& kept : frame.graph.plan.passes)
+  for (const PlanPass& kept : frame.graph().plan.passes)
     if (kept.pass() == pass || kept.name == pass) return true;
   return false;
 }
 std::string reason(const PlannedFrame& frame, const std::string& pass) {
-  for (const LeftOut& left : frame.graph.plan.left_out)
+  for (const LeftOut& left : frame.graph().plan.left_out)
     if (left.pass.substr(0, left.pass.find('.')) == pass) return left.reason;
   return {};
 }
@@ -72,13 +72,13 @@ TEST(Plan, AnUnlitBoxTakesNoLightAndNoSky) {
 // Lobes are variants of the shaders that are lit, with what visible materials have of them; without any nothing is.
 TEST(Plan, LobesCostNothingWhereNoMaterialHasThem) {
   const auto lobed = [](const PlannedFrame& frame) {
-    return plan_text(frame.graph.plan).find("LOBE") != std::string::npos;
+    return plan_text(frame.graph().plan).find("LOBE") != std::string::npos;
   };
   for (const char* name : {"spheres", "normal-mapped", "alpha", "unlit-box"})
     EXPECT_FALSE(lobed(plan(generated(name)))) << name;
   Scene scene = generated("lobes");
   const PlannedFrame frame = plan(scene);
-  const std::string text = plan_text(frame.graph.plan);
+  const std::string text = plan_text(frame.graph().plan);
   EXPECT_NE(text.find("shade_forward.frag#LOBED=1"), std::string::npos);
   EXPECT_NE(text.find("LOBES=47 LOBE_TEXTURES=47"), std::string::npos);
   EXPECT_NE(text.find("frame.lobes"), std::string::npos);
@@ -86,7 +86,7 @@ TEST(Plan, LobesCostNothingWhereNoMaterialHasThem) {
     m.clearcoat = {}, m.sheen = {}, m.iridescence = {}, m.anisotropy = {}, m.diffuse_transmission = {};
   EXPECT_FALSE(lobed(plan(scene)));
   scene.materials[0].sheen.color = glm::vec3(1);
-  EXPECT_NE(plan_text(plan(scene).graph.plan).find("LOBES=2"), std::string::npos);
+  EXPECT_NE(plan_text(plan(scene).graph().plan).find("LOBES=2"), std::string::npos);
   scene.materials[0].unlit = true;
   EXPECT_FALSE(lobed(plan(scene)));
 }
@@ -118,7 +118,7 @@ TEST(Plan, KnobsOfKeptPassesArePartOfIt) {
   const Scene scene = generated("spheres");
   Job off = small_job();
   off.settings = {{"cull", "enabled", "0"}};
-  const FramePlan with = plan(scene).graph.plan, without = plan(scene, off).graph.plan;
+  const FramePlan with = plan(scene).graph().plan, without = plan(scene, off).graph().plan;
   EXPECT_NE(plan_hash(with), plan_hash(without));
   EXPECT_NE(plan_text(without).find("cull.enabled"), std::string::npos);
   EXPECT_NE(plan_json(without).find("\"cull.enabled\": \"0\""), std::string::npos);
@@ -126,7 +126,7 @@ TEST(Plan, KnobsOfKeptPassesArePartOfIt) {
   Job tiles = small_job();
   tiles.settings = {{"lights", "tile_px", "64"}};
   const Scene unlit = generated("unlit-box");
-  EXPECT_EQ(plan_hash(plan(unlit, tiles).graph.plan), plan_hash(plan(unlit).graph.plan));
+  EXPECT_EQ(plan_hash(plan(unlit, tiles).graph().plan), plan_hash(plan(unlit).graph().plan));
 }
 
 // A number, or the name of a value that may lie beyond the numbers.
@@ -177,7 +177,7 @@ TEST(Plan, EveryPassRunsOrSaysWhyNot) {
         for (const std::string& pass : pass_names())
           EXPECT_TRUE(has(frame, pass) || !reason(frame, pass).empty()) << name << " " << pass;
         // Of a pass that stands there several times some may run and others not.
-        for (const LeftOut& left : frame.graph.plan.left_out) {
+        for (const LeftOut& left : frame.graph().plan.left_out) {
           EXPECT_FALSE(left.reason.empty()) << left.pass;
           for (const std::string& runs : kept(frame)) EXPECT_NE(runs, left.pass) << name;
         }
@@ -197,7 +197,7 @@ TEST(Plan, ASmallPictureTakesLittle) {
     const PlannedFrame frame = plan(scene, job, {.linear = false, .display = true});
     EXPECT_TRUE(has(frame, "fog") && has(frame, "depth_views.sun") && has(frame, "depth_views.local"));
     uint64_t sum = 0;
-    for (const uint64_t block : frame.graph.plan.block_bytes) sum += block;
+    for (const uint64_t block : frame.graph().plan.block_bytes) sum += block;
     return sum;
   };
   EXPECT_LT(bytes(8, 8), 16u << 20);
@@ -229,7 +229,7 @@ TEST(Plan, WhatIsNotWrittenIsNotReadBack) {
   EXPECT_EQ(outputs(exr), Names{"beauty"});
   EXPECT_FALSE(has(exr, "tonemap"));
   EXPECT_FALSE(reason(exr, "tonemap").empty());
-  EXPECT_NE(plan_hash(png.graph.plan), plan_hash(exr.graph.plan));
+  EXPECT_NE(plan_hash(png.graph().plan), plan_hash(exr.graph().plan));
 }
 
 TEST(Plan, SamplesThatAreOnlyShownAreNotResolved) {
@@ -250,7 +250,7 @@ TEST(Plan, LayersAreMadeForLinearOutputsOnly) {
   EXPECT_EQ(outputs(plan(scene, job)), (Names{"beauty", "depth", "object_id"}));
   EXPECT_EQ(outputs(plan(scene, job, {.linear = false, .display = true})), Names{"display"});
   const PlannedFrame without = plan(scene);
-  for (const PlanResource& r : without.graph.plan.resources)
+  for (const PlanResource& r : without.graph().plan.resources)
     EXPECT_TRUE(r.first_pass < 0 || r.name().rfind("layers.", 0) != 0) << r.name();
 }
 
@@ -260,7 +260,7 @@ TEST(Plan, TermsCostNothingUnlessAskedFor) {
   const Scene scene = generated("spheres");
   const auto images = [](const PlannedFrame& frame) {
     Names names;
-    for (const PlanResource& r : frame.graph.plan.resources)
+    for (const PlanResource& r : frame.graph().plan.resources)
       if (r.first_pass >= 0 && r.name().starts_with("terms.")) names.push_back(r.name());
     return names;
   };
@@ -291,7 +291,7 @@ TEST(Plan, TermsCostNothingUnlessAskedFor) {
   job.layers.clear();
   const PlannedFrame alone = plan(scene, job);
   EXPECT_EQ(
-      std::ranges::count_if(alone.graph.plan.left_out, [](const LeftOut& l) { return l.pass.starts_with("terms"); }),
+      std::ranges::count_if(alone.graph().plan.left_out, [](const LeftOut& l) { return l.pass.starts_with("terms"); }),
       1);
 }
 
@@ -300,7 +300,7 @@ TEST(Plan, OneSampleNeedsNoResolve) {
   const PlannedFrame one = plan(scene, small_job(1)), four = plan(scene, small_job(4));
   EXPECT_FALSE(has(one, "resolve"));
   EXPECT_TRUE(has(four, "resolve"));
-  EXPECT_LT(transient_bytes(one.graph.plan), transient_bytes(four.graph.plan));
+  EXPECT_LT(transient_bytes(one.graph().plan), transient_bytes(four.graph().plan));
 }
 
 TEST(Plan, OnlyBlendedSurfacesPlanATransparentPass) {
@@ -353,7 +353,7 @@ TEST(Plan, TheStudioLightsFilesWithoutLight) {
     return job;
   };
   const auto is_left_out = [](const PlannedFrame& frame, std::string_view pass) {
-    return std::ranges::any_of(frame.graph.plan.left_out, [&](const LeftOut& l) { return l.pass == pass; });
+    return std::ranges::any_of(frame.graph().plan.left_out, [&](const LeftOut& l) { return l.pass == pass; });
   };
   const Scene dark = triangle_scene();
   const PlannedFrame studio = plan(dark, with_sky("auto"));
@@ -387,10 +387,10 @@ TEST(Plan, ADarkLightDoesNotBringTheNeutralOne) {
 
 TEST(Plan, TheSameJobGivesTheSamePlan) {
   const Scene scene = generated("alpha");
-  EXPECT_EQ(plan_hash(plan(scene).graph.plan), plan_hash(plan(scene).graph.plan));
+  EXPECT_EQ(plan_hash(plan(scene).graph().plan), plan_hash(plan(scene).graph().plan));
   Job other = small_job();
   other.width_px = 65;
-  EXPECT_NE(plan_hash(plan(scene).graph.plan), plan_hash(plan(scene, other).graph.plan));
+  EXPECT_NE(plan_hash(plan(scene).graph().plan), plan_hash(plan(scene, other).graph().plan));
 }
 
 }  // namespace candela

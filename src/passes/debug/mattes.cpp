@@ -17,7 +17,7 @@ std::string_view short_name(Matte matte) {
 }
 
 // The images of the graph's ids: which layer this picture draws into.
-ImageRange range_of(const SceneInputs& scene) { return ImageRange::layer(scene.subsample); }
+ImageRange range_of(const SceneInputs& scene) { return ImageRange::layer(scene.supersample); }
 
 }  // namespace
 

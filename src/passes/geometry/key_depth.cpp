@@ -29,7 +29,7 @@ void BlendedTiles::record(CommandList& commands, const In& in, const Out& out) c
   push.groups = commands.address(in.scene.cull_groups);
   push.kept = commands.address(in.kept_items);
   push.tiles = commands.address(out.tiles);
-  push.subsample_ndc = in.scene.subsample_ndc;
+  push.subsample_ndc = in.scene.subsample_ndc();
   push.group_count = in.scene.cull_group_count;
   commands.push(push);
   const glm::uvec2 threads = shared::cull_threads(in.scene.cull_group_count);

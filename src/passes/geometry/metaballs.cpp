@@ -60,8 +60,8 @@ void MetaballPolygons::record(CommandList& commands, const In& in, const Out& ou
   push.blocks = commands.address(s.metaball_blocks);
   push.lists = commands.address(s.metaball_lists);
   push.sums = commands.address(out.sums);
-  push.block_count = s.metaball_block_count;
-  const glm::uvec2 blocks = shared::metaball_block_threads(s.metaball_block_count);
+  push.block_count = s.values->metaball_blocks;
+  const glm::uvec2 blocks = shared::metaball_block_threads(s.values->metaball_blocks);
   switch (commands.step()) {
     case 0:
       commands.bind(out.count);

@@ -40,7 +40,7 @@ void Occluders::record(CommandList& commands, const In& in, const Out& out) cons
   push.kept = commands.address(in.kept);
   push.masks = commands.address(out.masks);
   push.survivors = commands.address(out.survivors);
-  push.subsample_ndc = in.scene.subsample_ndc;
+  push.subsample_ndc = in.scene.subsample_ndc();
   push.first_phase_px = knobs.first_fraction * float(in.scene.width_px) * float(in.scene.height_px);
   push.group_count = in.scene.cull_group_count;
   commands.push(push);
@@ -77,7 +77,7 @@ void OcclusionCull::record(CommandList& commands, const In& in, const Out& out) 
   push.rest = commands.address(out.rest);
   push.rest_survivors = commands.address(out.rest_survivors);
   push.report = out.report ? commands.address(out.report) : 0;
-  push.subsample_ndc = in.scene.subsample_ndc;
+  push.subsample_ndc = in.scene.subsample_ndc();
   push.pyramid = commands.sampled(in.pyramid);
   push.group_count = in.scene.cull_group_count;
   commands.push(push);

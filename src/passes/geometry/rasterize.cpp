@@ -121,7 +121,7 @@ Rasterize::Out Rasterize::declare(GraphBuilder& builder, const In& in) const {
 
 void Rasterize::record(CommandList& commands, const In& in, const Out& out) const {
   shared::RasterizePush push{};
-  push.subsample_ndc = in.scene.subsample_ndc;
+  push.subsample_ndc = in.scene.subsample_ndc();
   push.subsample_footprint = in.scene.subsample_footprint;
   record_step(commands, in.scene, in.masks, in.deformed, out.keys, out.steps, knobs, 1, push);
 }

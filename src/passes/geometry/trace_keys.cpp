@@ -38,7 +38,7 @@ void TraceKeys::record(CommandList& commands, const In& in, const Out& out) cons
   const SceneInputs& s = in.scene;
   commands.bind(out.pipeline);
   commands.push(shared::TraceKeysPush{commands.address(s.trees), commands.address(out.keys),
-                                      commands.address(s.triangle_numbers), s.subsample_ndc});
+                                      commands.address(s.triangle_numbers), s.subsample_ndc()});
   if (s.rays.tree.traversal == BvhKnobs::by_pipeline)
     commands.trace_rays(s.width_px, s.height_px);
   else

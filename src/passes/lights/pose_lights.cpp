@@ -42,7 +42,7 @@ PoseLights::Out PoseLights::declare(GraphBuilder& builder, const In& in) const {
 void PoseLights::record(CommandList& commands, const In& in, const Out& out) const {
   const SceneInputs& s = in.scene;
   shared::PoseLightsPush push{};
-  push.time_s = s.time_s;
+  push.time_s = s.values->time_s;
   push.groups = commands.address(s.light_groups);
   push.instances = commands.address(s.light_instances);
   push.posed = commands.address(s.posed_lights ? s.posed_lights : s.light_groups);  // never read where there are none

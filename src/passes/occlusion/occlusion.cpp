@@ -17,12 +17,12 @@ constexpr uint32_t least_slices = 4;
 
 uint32_t slices_of(const AmbientOcclusion& pass, const AmbientOcclusion::In& in) {
   const uint32_t slices = uint32_t(pass.knobs.slices);
-  return std::max((slices + in.subsamples - 1) / in.subsamples, std::min(slices, least_slices));
+  return std::max((slices + in.subsamples() - 1) / in.subsamples(), std::min(slices, least_slices));
 }
 
 // Of a texel: a subsample has its share.
 uint32_t share_of(int rays, const AmbientOcclusion::In& in) {
-  return (uint32_t(rays) + in.subsamples - 1) / in.subsamples;
+  return (uint32_t(rays) + in.subsamples() - 1) / in.subsamples();
 }
 uint32_t rays_of(const AmbientOcclusion& pass, const AmbientOcclusion::In& in) { return share_of(pass.knobs.rays, in); }
 
@@ -222,8 +222,8 @@ void AmbientOcclusion::record(CommandList& commands, const In& in, const Out& ou
     return;
   }
   // Without a radius what the screen shows hides as far as a part of the distance, in which lengths are then meant.
-  const bool endless = std::isinf(in.look.radius_m);
-  const float radius = endless ? knobs.reach : float(in.look.radius_m);
+  const bool endless = std::isinf(in.look->radius_m);
+  const float radius = endless ? knobs.reach : float(in.look->radius_m);
   if (step == 1) {
     const ImageHandle open = out.rounds.empty() ? out.open : out.rounds.front();
     commands.bind(out.integrate);
@@ -236,8 +236,8 @@ void AmbientOcclusion::record(CommandList& commands, const In& in, const Out& ou
       push.normals = out.normals ? commands.storage(out.normals) : 0;
       push.open = commands.storage(open);
       push.texels = size;
-      push.subsample_ndc = in.scene.subsample_ndc;
-      push.subsample = in.subsample;
+      push.subsample_ndc = in.scene.subsample_ndc();
+      push.subsample = in.scene.subsample();
       push.count = rays_of(*this, in);
       push.most = out.rounds.empty() ? push.count : share_of(std::max(knobs.rays, knobs.most_rays), in);
       push.rounds = uint32_t(out.rounds.size());
@@ -250,14 +250,14 @@ void AmbientOcclusion::record(CommandList& commands, const In& in, const Out& ou
       push.normals = out.normals ? commands.storage(out.normals) : 0;
       push.open = commands.storage(open);
       push.texels = size;
-      push.subsample_ndc = in.scene.subsample_ndc;
+      push.subsample_ndc = in.scene.subsample_ndc();
       push.radius_m = radius;
-      push.fade_m = std::max(float(in.look.falloff) * radius, 1e-6f * radius);
+      push.fade_m = std::max(float(in.look->falloff) * radius, 1e-6f * radius);
       push.by_distance = endless ? 1 : 0;
-      push.strength = float(in.look.strength);
+      push.strength = float(in.look->strength);
       push.slices = int(slices_of(*this, in));
       push.samples = knobs.samples;
-      push.turn = float(in.subsample) / float(in.subsamples);
+      push.turn = float(in.scene.subsample()) / float(in.subsamples());
       push.pattern = {in.seed & 3u, in.seed >> 2 & 3u};
       commands.push(push);
     }
@@ -274,7 +274,7 @@ void AmbientOcclusion::record(CommandList& commands, const In& in, const Out& ou
     push.open = commands.sampled(from);
     push.smooth_open = commands.storage(to);
     push.texels = size;
-    push.subsample_ndc = in.scene.subsample_ndc;
+    push.subsample_ndc = in.scene.subsample_ndc();
     push.stride = 1 << 2 * round;
     const uint32_t rays = rays_of(*this, in);
     // Single rays say nothing of likeness. The variance of stratified means falls with the square of the rays.
@@ -288,7 +288,7 @@ void AmbientOcclusion::record(CommandList& commands, const In& in, const Out& ou
     push.reach_m = std::max(0.15f * radius, 1e-30f);
     push.by_distance = endless ? 1 : 0;
     push.texels = size;
-    push.subsample_ndc = in.scene.subsample_ndc;
+    push.subsample_ndc = in.scene.subsample_ndc();
     commands.push(push);
   }
   commands.dispatch_picture(size.x, size.y, PicturePart::shaded, uint32_t(knobs.texel_px));

@@ -56,10 +56,10 @@ struct AmbientOcclusion {
   struct In {
     SceneInputs scene;
     SampledDepth depth;
-    Occlusion look;
+    Live<Occlusion> look;
     uint32_t seed = 0;
     // Of a supersampled frame: the samples share the slices out, and turn theirs so that all are even.
-    uint32_t subsample = 0, subsamples = 1;
+    uint32_t subsamples() const { return scene.subsamples; }
   };
   struct Out {
     ImageHandle open;             // V, and the point that it is of (shaders/lib/occlusion_points.glsl)

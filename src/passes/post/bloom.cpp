@@ -14,7 +14,7 @@ struct Steps {
 };
 
 Steps steps_of(const BloomPass& pass, const BloomPass::In& in) {
-  const uint32_t wanted = uint32_t(in.look.weights.size());
+  const uint32_t wanted = uint32_t(in.look->weights.size());
   if (pass.knobs.levels == 0) return {0, wanted};
   // Halving ends at one texel.
   uint32_t possible = 1;
@@ -33,7 +33,7 @@ std::vector<float> weights_of(const Steps& steps, const Bloom& look) {
   return weights;
 }
 
-ImageHandle source_of(const BloomPass::In& in) { return in.look.of_emission ? in.source : in.color; }
+ImageHandle source_of(const BloomPass::In& in) { return in.look->of_emission ? in.source : in.color; }
 
 }  // namespace
 
@@ -144,12 +144,12 @@ BloomPass::Out BloomPass::declare(GraphBuilder& builder, const In& in) const {
   }
   std::vector<SpecConstant> composed;
   if (in.glow_wanted) composed.push_back({0, "HAS_GLOW", 1});
-  if (in.look.of_emission) composed.push_back({1, "HAS_SOURCE", 1});
+  if (in.look->of_emission) composed.push_back({1, "HAS_SOURCE", 1});
   if (steps.levels > 0) composed.push_back({2, "HALVED", 1});
   pipeline("bloom_composite.comp", composed);
   builder.begin_step();
   builder.read(in.color, Access::sampled_compute, "color");
-  if (in.look.of_emission) builder.read(in.source, Access::sampled_compute, "what glows");
+  if (in.look->of_emission) builder.read(in.source, Access::sampled_compute, "what glows");
   if (steps.levels > 0)
     builder.read(steps.levels > 1 ? out.up : out.down, Access::sampled_compute, "the blurred levels",
                  ImageRange::mip(0));
@@ -175,7 +175,7 @@ void BloomPass::record(CommandList& commands, const In& in, const Out& out) cons
   const Steps steps = steps_of(*this, in);
   const uint32_t step = commands.step(), composite = steps.composite();
   const std::vector<float> weights = weights_of(steps, in.look);
-  const float threshold = float(in.look.threshold) / in.exposure, knee = float(in.look.knee) / in.exposure;
+  const float threshold = float(in.look->threshold) / in.exposure, knee = float(in.look->knee) / in.exposure;
   const glm::uvec2 full{in.width_px, in.height_px};
   commands.bind(out.pipelines[step]);
   if (step == composite + 1) {
@@ -185,7 +185,7 @@ void BloomPass::record(CommandList& commands, const In& in, const Out& out) cons
   } else if (step == composite) {
     shared::BloomCompositePush push{};
     push.color = commands.sampled(in.color);
-    push.source = in.look.of_emission ? commands.sampled(in.source) : 0;
+    push.source = in.look->of_emission ? commands.sampled(in.source) : 0;
     if (steps.levels > 0) {
       push.bloom = commands.sampled(steps.levels > 1 ? out.up : out.down, ImageRange::mip(0));
       push.bloom_weight = steps.levels > 1 ? 1.0f : weights[0];
@@ -195,9 +195,9 @@ void BloomPass::record(CommandList& commands, const In& in, const Out& out) cons
     push.composed = commands.storage(out.color);
     push.glow = out.glow ? commands.storage(out.glow) : 0;
     push.size_px = full;
-    push.strength = float(in.look.strength);
+    push.strength = float(in.look->strength);
     push.threshold = threshold, push.knee = knee;
-    push.keeps = in.look.keeps ? 1 : 0;
+    push.keeps = in.look->keeps ? 1 : 0;
     push.energies = commands.address(out.energies);
     commands.push(push);
     commands.dispatch(full.x, full.y);

@@ -26,8 +26,8 @@ struct BloomPass {
   struct In {
     ImageHandle color;  // resolved
     uint32_t width_px = 0, height_px = 0;
-    Bloom look;
-    float exposure = 1;  // from the picture's units to those of the look's threshold
+    Live<Bloom> look;
+    Live<float> exposure = 1;  // from the picture's units to those of the look's threshold
     bool glow_wanted = false;
     ImageHandle source = {};  // what glows, resolved, where the look says that emission alone does
   };

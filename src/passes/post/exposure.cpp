@@ -56,9 +56,9 @@ void Exposure::record(CommandList& commands, const In& in, const Out& out) const
     shared::ExposureMeanPush push{};
     push.counts = commands.address(out.counts);
     push.result = commands.address(out.exposure), push.report = commands.address(out.report);
-    push.low = float(in.look.low_percent / 100), push.high = float(in.look.high_percent / 100);
-    push.target = float(in.look.target);
-    push.min_ev = float(in.look.min_ev), push.max_ev = float(in.look.max_ev);
+    push.low = float(in.look->low_percent / 100), push.high = float(in.look->high_percent / 100);
+    push.target = float(in.look->target);
+    push.min_ev = float(in.look->min_ev), push.max_ev = float(in.look->max_ev);
     commands.push(push);
     commands.dispatch(1);
   }

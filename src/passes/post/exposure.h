@@ -21,8 +21,8 @@ struct Exposure {
   struct In {
     ImageHandle color;  // resolved
     uint32_t width_px = 0, height_px = 0;
-    AutoExposure look;
-    float scale = 1;  // from the picture's units to radiance
+    Live<AutoExposure> look;
+    Live<float> scale = 1;  // from the picture's units to radiance
   };
   struct Out {
     BufferHandle exposure, report;  // an ExposureResult each

@@ -30,8 +30,8 @@ struct MotionBlur {
     ImageHandle color;   // resolved
     ImageHandle motion;  // of MotionLayer; empty: nothing moves
     SampledDepth depth;
-    float share = 0;  // of the motion since the frame before, which the shutter is open for
-    uint32_t seed = 0;
+    Live<float> share = 0;  // of the motion since the frame before, which the shutter is open for
+    Live<uint32_t> seed = 0u;
   };
   struct Out {
     ImageHandle tiles, neighbours, color;

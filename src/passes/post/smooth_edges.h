@@ -1,4 +1,5 @@
 #pragma once
+#include "passes/shared/frame_values.h"
 #include "passes/shared/pass.h"
 
 namespace candela {
@@ -21,7 +22,7 @@ struct SmoothEdges {
   struct In {
     ImageHandle color;
     uint32_t width_px = 0, height_px = 0;
-    float exposure = 1;  // of the color, as it is shown
+    Live<float> exposure = 1;  // of the color, as it is shown
   };
   struct Out {
     ImageHandle edges, parts, color;

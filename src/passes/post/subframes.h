@@ -23,7 +23,8 @@ struct Subframes {
     BufferHandle sum;
     glm::ivec2 first_px{0};  // of the frame: where the picture begins
     uint32_t width_px = 0, height_px = 0;
-    uint32_t index = 0, count = 1;  // which of the picture's frames
+    Live<uint32_t> index = 0u;  // which of the picture's frames
+    uint32_t count = 1;         // of so many
   };
   struct Out {
     BufferHandle sum;

@@ -30,7 +30,7 @@ ImageHandle light_image(GraphBuilder& builder, const SceneInputs& scene, const R
 }
 
 uint32_t samples_of(const Reflections::Knobs& knobs, const Reflections::In& in) {
-  return (uint32_t(knobs.samples) + in.subsamples - 1) / in.subsamples;
+  return (uint32_t(knobs.samples) + in.scene.subsamples - 1) / in.scene.subsamples;
 }
 
 }  // namespace
@@ -232,9 +232,9 @@ void Reflections::record(CommandList& commands, const In& in, const Out& out) co
     push.at = surfaces_of(commands, out.reflected);
     push.light = commands.sampled(out.noisy);
     push.smooth_light = commands.storage(out.reflected.light);
-    push.rays = samples_of(knobs, in) * in.subsamples;
+    push.rays = samples_of(knobs, in) * in.scene.subsamples;
     push.texels = texels_of(knobs, scene);
-    push.subsample_ndc = scene.subsample_ndc;
+    push.subsample_ndc = scene.subsample_ndc();
     commands.bind(out.pipelines.smooth);
     commands.push(push);
     commands.dispatch(push.texels.x, push.texels.y);
@@ -273,7 +273,7 @@ void Reflections::record_march(CommandList& commands, const In& in, const Out& o
     push.colors = commands.sampled(out.colors);
     push.light = commands.storage(out.noisy ? out.noisy : out.reflected.light);
     push.texels = texels_of(knobs, scene);
-    push.subsample_ndc = scene.subsample_ndc;
+    push.subsample_ndc = scene.subsample_ndc();
     push.colors_px = size;
     push.last_level = float(levels(scene) - 1);
     push.samples = int(samples_of(knobs, in));
@@ -281,7 +281,7 @@ void Reflections::record_march(CommandList& commands, const In& in, const Out& o
     push.thickness = knobs.thickness;
     push.fade = knobs.fade;
     push.roughest = knobs.roughest;
-    push.first = in.subsample, push.of = in.subsamples;
+    push.first = in.scene.subsample(), push.of = in.scene.subsamples;
     push.pattern = {in.seed & 3u, in.seed >> 2 & 3u};
     commands.bind(out.pipelines.trace);
     commands.push(push);
@@ -296,7 +296,7 @@ void Reflections::record_rays(CommandList& commands, const In& in, const Out& ou
   own.word = REFLECTIONS_IMAGES(uint64_t(commands.sampled(r.z)), uint64_t(commands.sampled(r.surface)),
                                 uint64_t(commands.sampled(r.reflectance)),
                                 uint64_t(commands.storage(out.noisy ? out.noisy : r.light))) |
-             REFLECTIONS_SAMPLES(uint64_t(samples_of(knobs, in)), uint64_t(in.subsamples), uint64_t(in.seed & 15u));
+             REFLECTIONS_SAMPLES(uint64_t(samples_of(knobs, in)), uint64_t(in.scene.subsamples), uint64_t(in.seed & 15u));
   own.number = std::bit_cast<uint32_t>(knobs.roughest);
   own.deformed_before = in.scene.drawn_items;
   commands.bind(out.pipelines.trace);

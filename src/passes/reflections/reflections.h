@@ -54,7 +54,6 @@ struct Reflections {
     ImageHandle picture;    // of one sample; only where it is not
     bool has_sky = false;   // the frame's harmonics are those of a sky
     uint32_t seed = 0;
-    uint32_t subsample = 0, subsamples = 1;  // of a supersampled frame: which of its samples
   };
   struct Out {
     Reflected reflected;

@@ -24,6 +24,7 @@ struct BvhKnobs {
   // The device's own trees are built beside these.
   bool on_device() const { return traversal != by_shader; }
   static std::span<const Knob> table();
+  bool operator==(const BvhKnobs&) const = default;
 };
 
 }  // namespace candela

@@ -220,7 +220,7 @@ void push_lights(CommandList& commands, const SceneInputs& scene, const Lighting
 
 shared::SkyPush sky_push(CommandList& commands, const SceneInputs& scene, const Lighting& lists) {
   shared::SkyPush push{};
-  push.subsample_ndc = scene.subsample_ndc;
+  push.subsample_ndc = scene.subsample_ndc();
   push.subsample_footprint = scene.subsample_footprint;
   push_lights(commands, scene, nullptr, &lists, push);
   return push;
@@ -232,7 +232,7 @@ shared::DrawPush draw_push(CommandList& commands, const SceneInputs& scene, Buff
   push.table = own.table ? commands.address(own.table) : own.word;
   push.own = own.number;
   if (own.deformed_before) push.deformed_before = commands.address(own.deformed_before);
-  push.subsample_ndc = scene.subsample_ndc;
+  push.subsample_ndc = scene.subsample_ndc();
   push.subsample_footprint = scene.subsample_footprint;
   push.deformed = deformed ? commands.address(deformed) : 0;
   push_lights(commands, scene, lists, fog, push);
@@ -246,7 +246,7 @@ shared::DrawPush draw_push(CommandList& commands, const SceneInputs& scene, Buff
     push.rays = commands.address(lists->voxels.states   ? lists->voxels.states
                                  : lists->records.words ? lists->records.words
                                                         : lists->rays.settings);
-    push.subsample = scene.subsample;
+    push.subsample = scene.subsample();
   }
   return push;
 }

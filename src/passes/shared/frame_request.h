@@ -24,6 +24,7 @@ struct SubframePart {
   glm::dvec2 offset_px{0};          // of its samples against the middles of pixels, right and down
   glm::ivec2 first_px{0};           // of the frame: where the picture begins
   int width_px = 0, height_px = 0;  // of the picture
+  bool operator==(const SubframePart&) const = default;
 };
 
 // What the job wants of the frame.
@@ -94,6 +95,7 @@ struct FrameRequest {
       if (l == name) return true;
     return false;
   }
+  bool operator==(const FrameRequest&) const = default;
 };
 
 }  // namespace candela

@@ -58,6 +58,7 @@ class KnobValues {
   K& get() {
     return *reinterpret_cast<K*>(bytes_.data() + offset_of<K>());
   }
+  bool operator==(const KnobValues&) const = default;
   double value(const KnobTableInfo& table, const Knob& knob) const { return knob.value(bytes_.data() + table.offset); }
   void set(const KnobTableInfo& table, const Knob& knob, double to) { knob.set(bytes_.data() + table.offset, to); }
 

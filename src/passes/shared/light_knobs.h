@@ -24,6 +24,7 @@ struct LightKnobs {
   int sift_over = 64;
   int cap = 0;
   static std::span<const Knob> table();
+  bool operator==(const LightKnobs&) const = default;
 };
 
 // Where lights without a range end, for the passes that shade under them.

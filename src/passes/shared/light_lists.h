@@ -30,6 +30,7 @@ struct LightGridShape {
   uint32_t most_bounds = 0;   // where a pass finds the boxes: room for them, else 0
   uint64_t most_entries = 0;  // sum over lights of the cells that each can touch: compact lists never need more
   LightKnobs knobs;
+  bool operator==(const LightGridShape&) const = default;
 };
 
 // Ambient occlusion as shading reads it (shaders/lib/occlusion.glsl).
@@ -56,6 +57,7 @@ struct TracedRays {
   bool soft_suns = false, soft_lamps = false;
   // What reaches shaders through the settings, for the plan.
   uint32_t occlusion_rays = 0, sun_samples = 0, lamp_samples = 0;
+  bool operator==(const TracedRays&) const = default;
 };
 
 // What see-through surfaces leave of lights (passes/transparency/colored_shadows.h), beside their shadow maps; empty:

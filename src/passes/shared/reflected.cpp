@@ -35,7 +35,7 @@ void record_reflected(CommandList& commands, const SceneInputs& scene, const Ref
   push.light = commands.sampled(reflected.light);
   push.depth = commands.sampled(depth);
   push.texels = commands.size(reflected.light);
-  push.subsample_ndc = scene.subsample_ndc;
+  push.subsample_ndc = scene.subsample_ndc();
   commands.bind(pipeline);
   commands.push(push);
   commands.set_cull(false, false);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "graph/builder.h"
+#include "passes/shared/frame_values.h"
 #include "passes/shared/light_lists.h"
 #include "passes/shared/views.h"
 #include "scene/draw_list.h"
@@ -34,7 +35,6 @@ struct SceneInputs {
   // has posed all.
   BufferHandle light_groups, light_instances, posed_lights;
   uint32_t light_group_count = 0;
-  double time_s = 0;
   BufferHandle light_globals;                               // empty without light lists
   BufferHandle light_bounds, light_chunks, light_dispatch;  // the same, and where a pass finds them
   LightGridShape light_grid;
@@ -44,7 +44,7 @@ struct SceneInputs {
   std::shared_ptr<const ViewImage> sun_image, lamp_image;
   std::shared_ptr<const std::vector<uint32_t>> view_first_command, lamp_first_command;
   std::string sun_absence, lamp_absence;                      // why there are none
-  std::optional<Hash128> sun_key, lamp_key;                   // of the maps' content, where they may be kept
+  std::optional<Hash128> sun_key, lamp_key;                   // of the images of maps, where they may be kept
   BufferHandle trees, ray_settings;                           // empty: nothing is traced
   TracedRays rays;                                            // but for its handles, which are these
   std::shared_ptr<const std::vector<TreeRange>> tree_ranges;  // null: nothing is traced
@@ -53,7 +53,7 @@ struct SceneInputs {
   // asked for. `polygons` are what it has made of deformed vertices, which `deform` adds to.
   BufferHandle metaball_bodies, metaballs, metaball_blocks, metaball_lists, metaballs_before;
   BufferHandle polygons, polygons_before;
-  uint32_t metaball_body_count = 0, metaball_block_count = 0, metaball_block_room = 0;
+  uint32_t metaball_body_count = 0, metaball_block_room = 0;
   BufferHandle object_mattes, material_mattes;  // ids of names; empty unless their layers are wanted
   // Where things were at the time before (shared/motion.h); empty: nothing moves, or it is not asked for. The last two
   // are empty where deformed vertices are the same.
@@ -66,15 +66,23 @@ struct SceneInputs {
   bool open_sides = false;                // light passes single-sided faces from behind (--sides)
   uint32_t width_px = 0, height_px = 0, samples = 1;
   bool stores_samples = true;  // compute stores into multisampled images, of as many samples
-  // Of one picture of a supersampled frame: normalised device coordinates off the middle of the pixel, and a sample's
-  // side in pixels.
+  // Of one picture of a supersampled frame, or of one of the frames of a picture: how far its samples lie off the
+  // middles of pixels, right and down, their side in pixels, and which of how many samples of a pixel it is.
   bool is_subsample = false;
-  glm::vec2 subsample_ndc{0};
+  glm::dvec2 supersample_px{0};
+  glm::dvec2 supersample_grid{1};
   float subsample_footprint = 1;
-  float blended_near_m = 0, blended_far_m = 0;  // between which depths along the view axis blended surfaces lie
-  float volumetric_reach_m = 0;                 // of a ray, beyond which no lamp's light in the air is left
-  uint32_t subsample = 0, subsamples = 1;       // which of how many
+  uint32_t supersample = 0, supersamples = 1;   // which of how many pictures of this frame
+  uint32_t subsamples = 1;                      // of all frames
   std::array<float, 4> background{0, 0, 0, 0};  // premultiplied, pre-exposed
+  const FrameValues* values = &FrameValues::none;
+  // Both for recording alone. In normalised device coordinates.
+  glm::vec2 subsample_ndc() const {
+    const glm::dvec2 offset_px = supersample_px + values->offset_px / supersample_grid;
+    return glm::vec2(2.0 * offset_px / glm::dvec2(width_px, height_px));
+  }
+  uint32_t subsample() const { return values->subframe * supersamples + supersample; }
+  bool operator==(const SceneInputs&) const = default;
 };
 
 inline constexpr VkFormat color_format = VK_FORMAT_R32G32B32A32_SFLOAT;

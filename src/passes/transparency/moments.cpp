@@ -70,7 +70,7 @@ Moments::Out Moments::declare(GraphBuilder& builder, const In& in) const {
 void Moments::record(CommandList& commands, const In& in, const Out& out) const {
   if (commands.step() == 2) return record_sums_over(commands, in.scene, out.over, out.sum, out.moments[1], out.color);
   OwnInputs own;
-  own.word = std::bit_cast<uint64_t>(std::array{in.scene.blended_near_m, in.scene.blended_far_m});
+  own.word = std::bit_cast<uint64_t>(std::array{in.scene.values->blended_near_m, in.scene.values->blended_far_m});
   if (commands.step() == 0) {
     std::vector<CommandList::Attachment> moments;
     for (const ImageHandle image : out.moments) moments.push_back({image});

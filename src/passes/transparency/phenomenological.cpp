@@ -168,7 +168,7 @@ void Phenomenological::record(CommandList& commands, const In& all, const Out& o
     std::vector<CommandList::Attachment> sums = {{out.sums.light}, {out.sums.absorbed}};
     if (glass) sums.insert(sums.end(), {{out.sums.widths}, {out.sums.moved}});
     commands.begin_picture(sums, in.depth);
-    own.word = std::bit_cast<uint64_t>(std::array{s.blended_near_m, s.blended_far_m});
+    own.word = std::bit_cast<uint64_t>(std::array{s.values->blended_near_m, s.values->blended_far_m});
     if (in.glass) own.number = commands.sampled(in.glass);
     if (in.glass && behind && in.depth) own.number |= commands.sampled(in.depth) << 8;
     if (out.backs.faces) own.number |= commands.sampled(out.backs.faces) << 16;

@@ -155,10 +155,10 @@ void VolumetricLight::record(CommandList& commands, const In& in, const Out& out
     push.texels = texels;
     push.texel_px = uint32_t(knobs.texel_px), push.rule = uint32_t(knobs.depth);
     push.samples = uint32_t(knobs.samples), push.bayer = uint32_t(knobs.bayer);
-    push.farthest_m = in.scene.volumetric_reach_m;
-    push.phi = float(in.look.phi), push.tau = float(in.look.tau_per_m);
-    push.anisotropy = float(in.look.anisotropy);
-    push.formula = in.look.by_attenuation ? shared::volumetric_attenuation : shared::volumetric_extinction;
+    push.farthest_m = in.scene.values->volumetric_reach_m;
+    push.phi = float(in.look->phi), push.tau = float(in.look->tau_per_m);
+    push.anisotropy = float(in.look->anisotropy);
+    push.formula = in.look->by_attenuation ? shared::volumetric_attenuation : shared::volumetric_extinction;
     commands.push(push);
     commands.dispatch_picture(texels.x, texels.y, PicturePart::shaded, uint32_t(knobs.texel_px));
   } else if (step <= filters.size()) {

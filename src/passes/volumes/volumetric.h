@@ -36,7 +36,7 @@ struct VolumetricLight {
     ImageHandle color;   // resolved
     SampledDepth depth;  // optional: nothing is drawn
     Lighting lists;
-    Volumetric look;
+    Live<Volumetric> look;
     bool layer_wanted = false;
   };
   struct Out {

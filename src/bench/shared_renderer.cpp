@@ -89,7 +89,8 @@ Expected<FrameResult> SharedRenderer::one_frame(const Job& job, const PlanContex
   if (planned->facts.probes > 0)  // of each job its own
     if (auto drawn = draw_probes(job, context, *planned, *runner_, *gpu_scene_, of_probes); !drawn)
       return std::unexpected(drawn.error());
-  GpuScene::Uploaded uploaded = gpu_scene_->upload(*planned);
+  GpuScene::Uploaded uploaded;
+  gpu_scene_->upload(*planned, uploaded);
   if (const auto prepared = runner_->prepare(planned->graph()); !prepared) return std::unexpected(prepared.error());
   sums.import(planned->graph().plan, uploaded.imports, uploaded.keep);
   FrameResult frame;

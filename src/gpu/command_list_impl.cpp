@@ -16,7 +16,8 @@ void record_barriers(const FrameContext& frame, const PassBarriers& barriers, Vk
   memory.srcAccessMask = barriers.source_access;
   memory.dstStageMask = barriers.destination_stages;
   memory.dstAccessMask = barriers.destination_access;
-  std::vector<VkImageMemoryBarrier2> images;
+  std::vector<VkImageMemoryBarrier2>& images = frame.barriers;
+  images.clear();
   for (const ImageBarrier& b : barriers.images) {
     VkImageMemoryBarrier2 image{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
     // The first use in a frame waits for the frame before alone.
@@ -78,15 +79,15 @@ const PlanUse& CommandListImpl::use_of(const Wanted& wanted, std::initializer_li
     several |= found && (found->range != use.range || found->view != use.view);
     if (!found) found = &use;
   }
-  const std::string name = resource ? resource->name() : "an empty handle";
+  const auto name = [&] { return resource ? resource->name() : "an empty handle"; };
   CHECK_MSG(!found || !several,
-            fmt::format("pass '{}' declared several parts of '{}'; give range and view", pass_.name, name));
+            fmt::format("pass '{}' declared several parts of '{}'; give range and view", pass_.name, name()));
   if (found && version_known) return *found;
   std::string as;
   for (const Access access : accesses) as += (as.empty() ? "" : " or ") + std::string(access_info(access).name);
   const auto* image = resource ? std::get_if<ImageDesc>(&resource->desc) : nullptr;
   CHECK_MSG(false, fmt::format("pass '{}' uses version {} of '{}{}' without having declared it as {}{}", pass_.name,
-                               wanted.version, name, image && !range.is_default() ? range_text(range, *image) : "", as,
+                               wanted.version, name(), image && !range.is_default() ? range_text(range, *image) : "", as,
                                pass_.steps() > 1 ? fmt::format(" in step {}", step_) : ""));
   return pass_.uses.front();
 }
@@ -238,7 +239,10 @@ void CommandListImpl::begin_in(std::span<const Attachment> colors, ImageHandle d
                           use.range.layer_count));
     return use;
   };
-  std::vector<VkRenderingAttachmentInfo> color_infos;
+  constexpr size_t most_colors = 8;
+  CHECK_MSG(colors.size() <= most_colors, pass_.name);
+  std::array<VkRenderingAttachmentInfo, most_colors> color_infos;
+  uint32_t color_count = 0;
   for (const Attachment& color : colors) {
     VkRenderingAttachmentInfo info = attachment(drawn(use_of(color.image, {Access::color_attachment}, color.range)));
     if (color.resolve) {
@@ -248,7 +252,7 @@ void CommandListImpl::begin_in(std::span<const Attachment> colors, ImageHandle d
       info.resolveImageView = frame_.view(view_key(resolve));
       info.resolveImageLayout = image_layout(resolve.access, format);
     }
-    color_infos.push_back(info);
+    color_infos[color_count++] = info;
   }
   VkRenderingAttachmentInfo depth_info{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
   if (depth) depth_info = attachment(drawn(use_of(depth, {Access::depth_attachment, Access::depth_test}, depth_range)));
@@ -263,7 +267,7 @@ void CommandListImpl::begin_in(std::span<const Attachment> colors, ImageHandle d
   VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
   info.renderArea = depth && depth_info.loadOp == VK_ATTACHMENT_LOAD_OP_CLEAR ? whole : area;
   info.layerCount = shape->range.layer_count;
-  info.colorAttachmentCount = uint32_t(color_infos.size());
+  info.colorAttachmentCount = color_count;
   info.pColorAttachments = color_infos.data();
   info.pDepthAttachment = depth ? &depth_info : nullptr;
   if (depth && has_stencil(desc_of(depth.resource).format)) info.pStencilAttachment = &depth_info;

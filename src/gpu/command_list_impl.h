@@ -19,8 +19,9 @@ struct FrameContext {
   Bindless& bindless;
   const FramePlan& plan;
   const Physical& physical;
-  std::vector<const Buffer*> buffers;             // by resource: imported, transient, read back
-  std::vector<const KeptImage*> kept;             // by resource: imported images
+  std::vector<const Buffer*>& buffers;            // by resource: imported, transient, read back
+  std::vector<const KeptImage*>& kept;            // by resource: imported images
+  std::vector<VkImageMemoryBarrier2>& barriers;   // room to write them in
   const std::vector<const Pipeline*>& pipelines;  // parallel to plan.pipelines
   std::array<uint32_t, 3> max_groups{};           // of one dispatch
   size_t slot = 0;                                // of the frame in flight: Physical::pass_images

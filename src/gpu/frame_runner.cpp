@@ -24,13 +24,19 @@ struct FrameRunner::Hidden {
   Device& device;
   Bindless& bindless;
   Pipelines pipelines;
-  std::shared_ptr<Physical> physical;  // of the last plan; frames in flight own theirs too
   std::shared_ptr<ReadbackPool> readbacks = std::make_shared<ReadbackPool>();
   OutputHasher hasher;
-  std::vector<const Pipeline*> of_plan;
-  std::optional<Hash128> prepared;   // hash of the plan that `physical` and `of_plan` belong to
-  std::optional<Hash128> allocated;  // physical_key of what `physical` holds
-  bool copyable = false;
+  // A plan with its pipelines, images and buffers.
+  struct Prepared {
+    std::optional<Hash128> plan;       // hash of the plan that all of it belongs to
+    std::optional<Hash128> allocated;  // physical_key of what `physical` holds
+    std::shared_ptr<Physical> physical;
+    std::vector<const Pipeline*> pipelines;
+    bool copyable = false;
+  };
+  Prepared now;            // of the last frame; frames in flight own their `physical` too
+  Prepared other;          // of the frames before, where they come again
+  std::optional<Hash128> gone;  // the plan that `now` took the place of
   std::array<uint32_t, 3> max_groups{};
   FrameTicket last_ticket = 0;
   QueueTimelines timelines;
@@ -51,7 +57,7 @@ struct FrameRunner::Hidden {
   bool in_flight() const;
   void finish_all(double timeout_s);
   FrameSlot& take_slot();
-  FrameContext context(const FramePlan& plan, const std::map<int, const Buffer*>& imports, const RunOptions& options,
+  FrameContext context(const FramePlan& plan, const Imports& imports, const RunOptions& options,
                        FrameSlot& slot);
   void fill_buffers(const FrameContext& frame, VkCommandBuffer commands, bool hashing) const;
   void record_pass(const FrameContext& frame, const CompiledGraph& graph, size_t pass, VkCommandBuffer commands) const;
@@ -69,7 +75,8 @@ FrameRunner::FrameRunner(Device& device, Bindless& bindless, glsl::ShaderCompile
 FrameRunner::~FrameRunner() = default;
 
 bool FrameRunner::is_compiled(const CompiledGraph& graph) const {
-  return hidden_->prepared == plan_hash(graph.plan) || hidden_->pipelines.hold(graph.plan.pipelines);
+  const Hidden& h = *hidden_;
+  return h.now.plan == graph.hash || h.other.plan == graph.hash || h.pipelines.hold(graph.plan.pipelines);
 }
 
 Expected<PrepareTimes> FrameRunner::compile(const CompiledGraph& graph) {
@@ -81,8 +88,20 @@ Expected<PrepareTimes> FrameRunner::compile(const CompiledGraph& graph) {
 
 bool FrameRunner::allocate(const CompiledGraph& graph) {
   Hidden& h = *hidden_;
-  if (h.allocated == physical_key(graph.plan)) return false;
+  if (h.now.plan == graph.hash) return false;
+  if (h.other.plan == graph.hash) {
+    std::swap(h.now, h.other);
+    return false;
+  }
+  if (h.now.allocated == physical_key(graph.plan)) return false;
   h.readbacks->trim();
+  // A plan that comes again has another beside it from then on, until a third comes.
+  const bool comes_again = h.gone == graph.hash && h.now.plan && !h.now.copyable;
+  h.gone = h.now.plan;
+  if (comes_again)
+    std::swap(h.now, h.other);
+  else
+    h.other = {};
   h.rebuild(graph.plan, false, timeout_s);
   return true;
 }
@@ -90,40 +109,40 @@ bool FrameRunner::allocate(const CompiledGraph& graph) {
 Expected<PrepareTimes> FrameRunner::prepare(const CompiledGraph& graph) {
   PrepareTimes times;
   Hidden& h = *hidden_;
-  const Hash128 hash = plan_hash(graph.plan);
-  if (h.prepared == hash) return times;
-  h.prepared.reset();
-  auto pipelines = h.pipelines.get(graph.plan.pipelines, times);
-  if (!pipelines) return std::unexpected(pipelines.error());
-  h.of_plan = std::move(*pipelines);
   Stopwatch watch;
   times.allocated = allocate(graph);
   if (times.allocated) times.allocate_ms = watch.lap_ms();
-  h.prepared = hash;
+  if (h.now.plan == graph.hash) return times;
+  h.now.plan.reset();
+  auto pipelines = h.pipelines.get(graph.plan.pipelines, times);
+  if (!pipelines) return std::unexpected(pipelines.error());
+  h.now.pipelines = std::move(*pipelines);
+  h.now.plan = graph.hash;
   return times;
 }
 
 // Frames in flight keep what they use; without any, the old goes before the new is made. A rebuild that throws, for
 // want of memory, leaves nothing allocated.
 void FrameRunner::Hidden::rebuild(const FramePlan& plan, bool to_copy, double timeout_s) {
-  prepared.reset();
-  allocated.reset();
-  physical.reset();
+  now.plan.reset();
+  now.allocated.reset();
+  now.physical.reset();
   const auto make = [&] {
     auto made = std::make_shared<Physical>(device, bindless);
     made->rebuild(plan, to_copy);
     return made;
   };
   try {
-    physical = make();
+    now.physical = make();
   } catch (const GpuError& error) {
     // Two plans' images do not fit beside each other: then one after the other.
-    if (!error.out_of_memory() || !in_flight()) throw;
+    if (!error.out_of_memory() || !(in_flight() || other.physical)) throw;
+    other = {};
     finish_all(timeout_s);
-    physical = make();
+    now.physical = make();
   }
-  copyable = to_copy;
-  allocated = physical_key(plan);
+  now.copyable = to_copy;
+  now.allocated = physical_key(plan);
 }
 
 bool FrameRunner::Hidden::in_flight() const {
@@ -146,39 +165,38 @@ FrameSlot& FrameRunner::Hidden::take_slot() {
   return *slots.back();
 }
 
-FrameContext FrameRunner::Hidden::context(const FramePlan& plan, const std::map<int, const Buffer*>& imports,
+FrameContext FrameRunner::Hidden::context(const FramePlan& plan, const Imports& imports,
                                           const RunOptions& options, FrameSlot& slot) {
-  FrameContext frame{device, bindless, plan, *physical, {}, {}, of_plan, max_groups, slot.index};
-  frame.buffers.resize(plan.resources.size(), nullptr);
-  frame.kept.resize(plan.resources.size(), nullptr);
+  FrameContext frame{device,        bindless,   plan,      *now.physical, slot.buffers, slot.kept,
+                     slot.barriers, now.pipelines, max_groups, slot.index};
+  frame.buffers.assign(plan.resources.size(), nullptr);
+  frame.kept.assign(plan.resources.size(), nullptr);
   for (size_t i = 0; i < plan.resources.size(); ++i) {
     const PlanResource& resource = plan.resources[i];
     if (resource.first_pass < 0) continue;
     if (resource.is_image()) {
       if (!resource.imported) continue;
-      const auto found = options.images.find(int(i));
-      CHECK_MSG(found != options.images.end() && found->second &&
-                    (resource.image_usage &
-                     ~(found->second->usage() | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT)) == 0,
+      const KeptImage* const found = options.images.find(int(i));
+      CHECK_MSG(found && (resource.image_usage &
+                          ~(found->usage() | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT)) == 0,
                 fmt::format("no image, or one of too few usages, is given for the import '{}'", resource.name()));
-      frame.kept[i] = found->second;
+      frame.kept[i] = found;
       continue;
     }
     const auto& desc = std::get<BufferDesc>(resource.desc);
     if (resource.imported) {
-      const auto found = imports.find(int(i));
-      CHECK_MSG(found != imports.end() && found->second && found->second->size() >= desc.size_bytes,
+      const Buffer* const found = imports.find(int(i));
+      CHECK_MSG(found && found->size() >= desc.size_bytes,
                 fmt::format("no buffer, or one too small, is given for the import '{}'", desc.name));
-      frame.buffers[i] = found->second;
+      frame.buffers[i] = found;
     } else if (resource.lifetime == Lifetime::readback) {
       const VkBufferUsageFlags usage =
           resource.buffer_usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
       auto pooled = readbacks->take(device, desc.size_bytes, usage, desc.name);
       frame.buffers[i] = &pooled->buffer();
-      slot.pending->result.readbacks[int(i)] = pooled;
-      slot.pending->readbacks.push_back(std::move(pooled));
+      slot.pending->readbacks.emplace_back(int(i), std::move(pooled));
     } else {
-      frame.buffers[i] = &physical->buffer(int(i));
+      frame.buffers[i] = &now.physical->buffer(int(i));
     }
   }
   return frame;
@@ -247,31 +265,32 @@ void FrameRunner::Hidden::submit_batches(const FrameContext& frame, const Compil
   if (whole) slot.timing.post(commands, passes);
   fill_buffers(frame, commands, false);
 
-  std::vector<QueueBatch> batches = plan.batches;
-  if (batches.empty()) batches.resize(1);
-  for (int pass = 0; plan.batches.empty() && pass < int(passes); ++pass) batches[0].passes.push_back(pass);
-  std::vector<int> order = options.batch_order;
-  for (int batch = 0; order.size() < batches.size(); ++batch) order.push_back(batch);
-  std::vector<QueueWork::Point> reached(batches.size());
+  static const QueueBatch all_passes{};
+  const bool whole_plan = plan.batches.empty();
+  const size_t batches = whole_plan ? 1 : plan.batches.size();
+  slot.reached.assign(batches, {});
   std::array<std::optional<QueueWork::Point>, 2> last;
-  for (const int index : order) {
-    const QueueBatch& batch = batches[size_t(index)];
-    std::vector<QueueWork::Point> waits;
-    if (!last[size_t(batch.queue)]) waits.push_back(filled);
-    for (const int wait : batch.waits) waits.push_back(reached[size_t(wait)]);
-    QueueWork::Point& point = reached[size_t(index)];
-    commands = slot.work.add(options.one_queue ? Queue::main : batch.queue, std::move(waits), point);
+  const auto record = [&](uint32_t pass, bool marks) {
+    if (marks) slot.timing.mark(commands, pass);
+    record_pass(frame, graph, pass, commands);
+  };
+  for (size_t i = 0; i < batches; ++i) {
+    const size_t index = i < options.batch_order.size() ? size_t(options.batch_order[i]) : i;
+    const QueueBatch& batch = whole_plan ? all_passes : plan.batches[index];
+    slot.waits.clear();
+    if (!last[size_t(batch.queue)]) slot.waits.push_back(filled);
+    for (const int wait : batch.waits) slot.waits.push_back(slot.reached[size_t(wait)]);
+    QueueWork::Point& point = slot.reached[index];
+    commands = slot.work.add(options.one_queue ? Queue::main : batch.queue, slot.waits, point);
     last[size_t(batch.queue)] = point;
     const bool marks = slot.timing.available() && (point.queue == Queue::main || device.compute_timestamps());
-    for (const int pass : batch.passes) {
-      if (marks) slot.timing.mark(commands, uint32_t(pass));
-      record_pass(frame, graph, size_t(pass), commands);
-    }
+    for (uint32_t pass = 0; whole_plan && pass < passes; ++pass) record(pass, marks);
+    for (const int pass : batch.passes) record(uint32_t(pass), marks);
   }
-  std::vector<QueueWork::Point> waits;
+  slot.waits.clear();
   for (const auto& point : last)
-    if (point) waits.push_back(*point);
-  commands = slot.work.add(Queue::main, std::move(waits), ended);
+    if (point) slot.waits.push_back(*point);
+  commands = slot.work.add(Queue::main, slot.waits, ended);
   record_barriers(frame, plan.final_barriers, commands);
   if (whole) slot.timing.post(commands, passes + 1);
   result.record_ms = watch.lap_ms();
@@ -320,30 +339,28 @@ void FrameRunner::Hidden::run_isolated(const FrameContext& frame, const Compiled
   }
 }
 
-FrameTicket FrameRunner::submit(const CompiledGraph& graph, const std::map<int, const Buffer*>& imports,
-                                const RunOptions& options, std::vector<std::shared_ptr<const void>> keep) {
+FrameTicket FrameRunner::submit(const CompiledGraph& graph, const Imports& imports,
+                                const RunOptions& options, const std::vector<std::shared_ptr<const void>>& keep) {
   Hidden& h = *hidden_;
-  CHECK_MSG(h.prepared == plan_hash(graph.plan), "a frame of a plan that was not prepared");
+  CHECK_MSG(h.now.plan == graph.hash, "a frame of a plan that was not prepared");
   CHECK(graph.record.size() == graph.plan.passes.size());
   const bool alone = options.timed || options.hash_outputs || options.whole;
   if (alone) h.finish_all(timeout_s);
-  if (options.hash_outputs && !h.copyable) {
+  if (options.hash_outputs && !h.now.copyable) {
     h.rebuild(graph.plan, true, timeout_s);
-    h.prepared = plan_hash(graph.plan);  // its pipelines are there
+    h.now.plan = graph.hash;  // its pipelines are there
   }
   FrameSlot& slot = h.take_slot();
-  slot.pending.emplace();
-  slot.pending->ticket = ++h.last_ticket;
-  slot.pending->physical = h.physical;
-  slot.pending->keep = std::move(keep);
-  for (const PlanPass& pass : graph.plan.passes) slot.pending->passes.push_back(pass.name);
+  slot.begin(++h.last_ticket, graph.plan);
+  slot.pending->physical = h.now.physical;
+  slot.pending->keep.assign(keep.begin(), keep.end());
   if (graph.plan.passes.empty()) return slot.pending->ticket;
   try {
     FrameContext frame = h.context(graph.plan, imports, options, slot);
     frame.hashed = options.hash_outputs;
     frame.after_another = h.in_flight() || !graph.plan.batches.empty();
-    h.physical->bind_uniforms(graph.plan, slot.index, frame.buffers);
-    h.physical->bind_imports(graph.plan, slot.index, frame.kept);
+    h.now.physical->bind_uniforms(graph.plan, slot.index, frame.buffers);
+    h.now.physical->bind_imports(graph.plan, slot.index, frame.kept);
     if (options.hash_outputs || (options.timed && (h.device.info().is_cpu || !slot.timing.available()))) {
       h.run_isolated(frame, graph, options, timeout_s, slot);
     } else {
@@ -358,7 +375,7 @@ FrameTicket FrameRunner::submit(const CompiledGraph& graph, const std::map<int, 
     }
   } catch (...) {
     slot.given_up = slot.work.pending();
-    if (!slot.given_up) slot.pending.reset();
+    if (!slot.given_up) slot.end();
     throw;
   }
   return slot.pending->ticket;
@@ -372,9 +389,12 @@ FrameRun FrameRunner::collect(FrameTicket ticket) {
   CHECK_MSG(found != h.slots.end(), "collect of a frame that is not in flight");
   FrameSlot& slot = **found;
   slot.finish(timeout_s);
-  for (const auto& readback : slot.pending->readbacks) readback->buffer().invalidate();
   FrameRun result = std::move(slot.pending->result);
-  slot.pending.reset();
+  for (auto& [resource, readback] : slot.pending->readbacks) {
+    readback->buffer().invalidate();
+    result.readbacks[resource] = std::move(readback);
+  }
+  slot.end();
   for (const PassTime& pass : result.passes) result.frame_gpu_ms += pass.gpu_ms;
   return result;
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <initializer_list>
 #include <map>
 #include <memory>
 #include <span>
@@ -30,6 +31,26 @@ class Readback {
   virtual std::span<const std::byte> bytes() const = 0;
 };
 
+// What a frame takes from outside, by resource of its plan.
+template <class T>
+class ByResource {
+ public:
+  ByResource() = default;
+  ByResource(std::initializer_list<std::pair<int, const T*>> all) {
+    for (const auto& [resource, of] : all) (*this)[resource] = of;
+  }
+  const T*& operator[](int resource) {
+    if (size_t(resource) >= of_.size()) of_.resize(size_t(resource) + 1, nullptr);
+    return of_[size_t(resource)];
+  }
+  const T* find(int resource) const { return size_t(resource) < of_.size() ? of_[size_t(resource)] : nullptr; }
+  void clear() { of_.clear(); }
+
+ private:
+  std::vector<const T*> of_;
+};
+using Imports = ByResource<Buffer>;
+
 struct RunOptions {
   bool timed = false;         // stamps per pass; on a CPU device every pass is then its own submission
   bool hash_outputs = false;  // after each pass, hash everything it wrote and count non-finite values (debugging; slow)
@@ -37,7 +58,7 @@ struct RunOptions {
   bool whole = false;
   bool one_queue = false;                  // passes of the compute queue run on the main one
   std::vector<int> batch_order;            // of the plan's batches; empty: the plan's own
-  std::map<int, const KeptImage*> images;  // by resource: the plan's imported images
+  ByResource<KeptImage> images;            // the plan's imported images
 };
 struct PassHash {
   std::string pass, resource;
@@ -63,8 +84,10 @@ struct PrepareTimes {
 using FrameTicket = uint64_t;  // of a frame that was submitted and not yet collected
 
 // Runs compiled graphs. Owns pipelines (made once, kept by description, saved in a VkPipelineCache on disk), the
-// physical images and buffers of the last plan (kept while plans differ only in what they import) and the readback
-// pool; for each frame in flight a command pool, a fence, a query pool and descriptor sets.
+// physical images and buffers of the last plan (kept while plans differ only in what they import; of the last two where
+// frames go to and fro between these) and the readback pool; for each frame in flight a command pool, a fence, a query
+// pool and descriptor sets. Frames of the same plan, one after another, ask the heap for nothing until they are
+// submitted.
 //
 // Frames in flight share the plan's images and device buffers: a frame begins on the device when the one before has
 // ended there, so what overlaps is the host's work with the device's. What an older plan owned lives until the frames
@@ -86,16 +109,17 @@ class FrameRunner {
   // Both, where they have not been done; before submit().
   Expected<PrepareTimes> prepare(const CompiledGraph& graph);
   // Records the frame and hands it to the device. imports: the physical buffer for each imported resource of the plan;
-  // keep: whatever must live, and stay as it is, until the device is done with the frame. A timed or hashed run has the
+  // keep: whatever must live, and stay as it is, until the device is done with the frame; the graph itself is the
+  // caller's to keep until collect(). A timed or hashed run has the
   // device to itself: it waits for the frames before it, and is over when submit returns. Throws GpuError.
-  FrameTicket submit(const CompiledGraph& graph, const std::map<int, const Buffer*>& imports, const RunOptions& options,
-                     std::vector<std::shared_ptr<const void>> keep = {});
+  FrameTicket submit(const CompiledGraph& graph, const Imports& imports, const RunOptions& options,
+                     const std::vector<std::shared_ptr<const void>>& keep = {});
   // Waits for the frame and gives what it left; each ticket once. A wait longer than timeout_s (default 600) is an
   // error that names the passes not finished; the next frame waits for what was given up on. Throws GpuError.
   FrameRun collect(FrameTicket ticket);
-  FrameRun run(const CompiledGraph& graph, const std::map<int, const Buffer*>& imports, const RunOptions& options,
-               std::vector<std::shared_ptr<const void>> keep = {}) {
-    return collect(submit(graph, imports, options, std::move(keep)));
+  FrameRun run(const CompiledGraph& graph, const Imports& imports, const RunOptions& options,
+               const std::vector<std::shared_ptr<const void>>& keep = {}) {
+    return collect(submit(graph, imports, options, keep));
   }
   double timeout_s = 600;
 

@@ -5,7 +5,7 @@ namespace candela::gpu {
 void FrameSlot::wait(size_t first, size_t last, double timeout_s) {
   const auto names_from = [&](size_t from) {
     std::string names;
-    for (size_t i = from; i < last; ++i) names += (names.empty() ? "" : ", ") + pending->passes[i];
+    for (size_t i = from; i < last; ++i) names += (names.empty() ? "" : ", ") + pending->plan->passes[i].name;
     return names;
   };
   try {
@@ -18,14 +18,14 @@ void FrameSlot::wait(size_t first, size_t last, double timeout_s) {
     if (timing.reached(uint32_t(i))) begun = i;
   throw GpuError(VK_TIMEOUT,
                  fmt::format("the frame did not end within {} s; the device had come to the pass {}; not finished: {}",
-                             timeout_s, pending->passes[begun], names_from(begun)));
+                             timeout_s, pending->plan->passes[begun].name, names_from(begun)));
 }
 
 void FrameSlot::finish(double timeout_s) {
   Stopwatch watch;
   if (work.pending()) {
     try {
-      wait(0, pending->passes.size(), timeout_s);
+      wait(0, pending->plan->passes.size(), timeout_s);
     } catch (...) {
       given_up = true;
       throw;
@@ -39,8 +39,22 @@ void FrameSlot::finish(double timeout_s) {
 void FrameSlot::wait_if_given_up() {
   if (!given_up) return;
   work.wait_for_end();
-  pending.reset();
+  end();
   given_up = false;
+}
+
+void FrameSlot::begin(FrameTicket ticket, const FramePlan& plan) {
+  end();
+  pending = &frame;
+  frame.ticket = ticket, frame.plan = &plan;
+}
+
+void FrameSlot::end() {
+  pending = nullptr;
+  frame.result = {};
+  frame.plan = nullptr;
+  frame.readbacks.clear(), frame.keep.clear();
+  frame.physical.reset();
 }
 
 }  // namespace candela::gpu

@@ -29,8 +29,8 @@ class Stopwatch {
 struct PendingFrame {
   FrameTicket ticket = 0;
   FrameRun result;
-  std::vector<std::string> passes;
-  std::vector<std::shared_ptr<ReadbackPool::Pooled>> readbacks;  // those of the result
+  const FramePlan* plan = nullptr;
+  std::vector<std::pair<int, std::shared_ptr<ReadbackPool::Pooled>>> readbacks;  // by resource
   std::shared_ptr<Physical> physical;
   std::vector<std::shared_ptr<const void>> keep;
 };
@@ -39,9 +39,15 @@ struct PendingFrame {
 struct FrameSlot {
   size_t index;
   Timing timing;
-  std::optional<PendingFrame> pending;  // from submit to collect
-  bool given_up = false;                // a wait failed; whatever it holds stays until the device is done
-  QueueWork work;                       // last: its end waits for the device, before what the device uses goes
+  PendingFrame frame;               // its memory serves all frames of the slot
+  PendingFrame* pending = nullptr;  // from submit to collect: `frame`
+  bool given_up = false;            // a wait failed; whatever it holds stays until the device is done
+  // Of the frame at hand, for recording; their memory serves all frames of the slot.
+  std::vector<const Buffer*> buffers;
+  std::vector<const KeptImage*> kept;
+  std::vector<VkImageMemoryBarrier2> barriers;
+  std::vector<QueueWork::Point> reached, waits;
+  QueueWork work;  // behind what the device uses: its end waits for the device
 
   FrameSlot(Device& device, QueueTimelines& timelines, size_t i) : index(i), timing(device), work(device, timelines) {}
   // Waits for the passes [first, last) of one submission. Their marks or posts tell how far the device came.
@@ -49,6 +55,8 @@ struct FrameSlot {
   // Waits for the whole frame, unless that is done, and lets go of what the device no longer needs.
   void finish(double timeout_s);
   void wait_if_given_up();
+  void begin(FrameTicket ticket, const FramePlan& plan);
+  void end();  // the frame is no longer pending
 };
 
 }  // namespace candela::gpu

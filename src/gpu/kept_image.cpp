@@ -44,22 +44,24 @@ constexpr size_t most_seen = 256;
 // What the device makes; the clear value is how it was filled, and part of the key.
 }  // namespace
 
-KeptKeys ImageCache::keys() const {
-  KeptKeys keys;
+void ImageCache::keys(KeptKeys& keys) const {
+  keys.filled.clear(), keys.seen.clear(), keys.pool.reset();
   for (const Entry& entry : entries_) keys.filled.insert(entry.key);
   for (const Hash128& key : seen_)
     if (!keys.filled.contains(key)) keys.seen.insert(key);
-  return keys;
 }
 
 void ImageCache::used(const Hash128& key, const ImageDesc& desc) {
-  if (const auto found = std::ranges::find(entries_, key, &Entry::key); found != entries_.end())
-    return entries_.splice(entries_.begin(), entries_, found);
-  if (const auto seen = std::ranges::find(seen_, key); seen != seen_.end())
-    return seen_.splice(seen_.begin(), seen_, seen);
+  const auto to_front = [](auto& all, auto found) {
+    if (found == all.end()) return false;
+    std::rotate(all.begin(), found, found + 1);
+    return true;
+  };
+  if (to_front(entries_, std::ranges::find(entries_, key, &Entry::key))) return;
+  if (to_front(seen_, std::ranges::find(seen_, key))) return;
   if (range_bytes(desc, whole(desc)) * desc.samples > budget_bytes_) return;
-  seen_.push_front(key);
-  if (seen_.size() > most_seen) seen_.pop_back();
+  if (seen_.size() == most_seen) seen_.pop_back();
+  seen_.insert(seen_.begin(), key);
 }
 
 std::shared_ptr<KeptImage> ImageCache::find(const Hash128& key) const {
@@ -76,7 +78,7 @@ void ImageCache::insert(const Hash128& key, std::shared_ptr<KeptImage> image) {
   std::erase_if(entries_, [&](const Entry& entry) { return entry.key == key; });
   if (image->bytes() > budget_bytes_) return;
   drop_to(budget_bytes_ - image->bytes());
-  entries_.push_front({key, std::move(image)});
+  entries_.insert(entries_.begin(), {key, std::move(image)});
 }
 
 uint64_t ImageCache::used_bytes() const {

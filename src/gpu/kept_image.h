@@ -1,8 +1,8 @@
 #pragma once
-#include <list>
 #include <map>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "base/hash.h"
 #include "gpu/physical.h"
@@ -41,7 +41,7 @@ class KeptImage {
 class ImageCache {
  public:
   ImageCache(Device& device, uint64_t budget_bytes) : device_(device), budget_bytes_(budget_bytes) {}
-  KeptKeys keys() const;
+  void keys(KeptKeys& keys) const;
   // A planned frame has an image of that key: a key that was unknown is seen from now on, unless the image does not fit
   // the budget.
   void used(const Hash128& key, const ImageDesc& desc);
@@ -62,8 +62,8 @@ class ImageCache {
   void drop_to(uint64_t bytes);
   Device& device_;
   uint64_t budget_bytes_;
-  std::list<Entry> entries_;  // the one used last first
-  std::list<Hash128> seen_;   // likewise; a few
+  std::vector<Entry> entries_;  // the one used last first
+  std::vector<Hash128> seen_;   // likewise; a few
 };
 
 }  // namespace candela::gpu

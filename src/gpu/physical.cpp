@@ -1,5 +1,7 @@
 #include "gpu/physical.h"
 
+#include <algorithm>
+#include <atomic>
 #include <span>
 
 #include "base/check.h"
@@ -277,28 +279,19 @@ void Physical::make_views(const FramePlan& plan, bool copyable) {
   }
 }
 
-ReadbackPool::Pooled::~Pooled() {
-  std::lock_guard lock(pool_->mutex_);
-  pool_->free_.push_back({std::move(buffer_), usage_});
-}
-
 std::shared_ptr<ReadbackPool::Pooled> ReadbackPool::take(Device& device, uint64_t bytes, VkBufferUsageFlags usage,
                                                          const std::string& name) {
-  std::lock_guard lock(mutex_);
-  for (Free& entry : free_) {
-    if (entry.usage != usage || entry.buffer.size() != bytes) continue;
-    Buffer buffer = std::move(entry.buffer);
-    std::swap(entry, free_.back());
-    free_.pop_back();
-    return std::make_shared<Pooled>(shared_from_this(), std::move(buffer), usage);
+  for (const auto& pooled : all_) {
+    if (pooled.use_count() != 1 || pooled->usage() != usage || pooled->buffer().size() != bytes) continue;
+    std::atomic_thread_fence(std::memory_order_acquire);  // of what another thread did before it let go
+    return pooled;
   }
-  Buffer buffer(device, bytes, usage, Buffer::Memory::host_read, Device::Purpose::readback, name.c_str());
-  return std::make_shared<Pooled>(shared_from_this(), std::move(buffer), usage);
+  return all_.emplace_back(std::make_shared<Pooled>(
+      Buffer(device, bytes, usage, Buffer::Memory::host_read, Device::Purpose::readback, name.c_str()), usage));
 }
 
 void ReadbackPool::trim() {
-  std::lock_guard lock(mutex_);
-  free_.clear();
+  std::erase_if(all_, [](const auto& pooled) { return pooled.use_count() == 1; });
 }
 
 }  // namespace candela::gpu

@@ -1,7 +1,6 @@
 #pragma once
 #include <map>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -115,20 +114,19 @@ class Physical {
   std::vector<VkDeviceMemory> blocks_;
 };
 
-// Host-visible buffers that frames write and the host reads. A buffer comes back when the last owner of its Readback
-// lets go, from any thread; the pool lives as long as they do. They must not outlive the device.
-class ReadbackPool : public std::enable_shared_from_this<ReadbackPool> {
+// Host-visible buffers that frames write and the host reads. One that the pool alone holds is taken again; the last
+// owner of its Readback may let go from any thread. They must not outlive the device.
+class ReadbackPool {
  public:
   class Pooled : public Readback {
    public:
-    Pooled(std::shared_ptr<ReadbackPool> pool, Buffer buffer, VkBufferUsageFlags usage)
-        : pool_(std::move(pool)), buffer_(std::move(buffer)), usage_(usage) {}
-    ~Pooled() override;
+    Pooled(Buffer buffer, VkBufferUsageFlags usage) : buffer_(std::move(buffer)), usage_(usage) {}
+    ~Pooled() override = default;
     std::span<const std::byte> bytes() const override { return {buffer_.mapped(), buffer_.size()}; }
     const Buffer& buffer() const { return buffer_; }
+    VkBufferUsageFlags usage() const { return usage_; }
 
    private:
-    std::shared_ptr<ReadbackPool> pool_;
     Buffer buffer_;
     VkBufferUsageFlags usage_;
   };
@@ -136,12 +134,7 @@ class ReadbackPool : public std::enable_shared_from_this<ReadbackPool> {
   void trim();  // frees the buffers that are not held
 
  private:
-  struct Free {
-    Buffer buffer;
-    VkBufferUsageFlags usage;
-  };
-  std::mutex mutex_;
-  std::vector<Free> free_;
+  std::vector<std::shared_ptr<Pooled>> all_;
 };
 
 }  // namespace candela::gpu

@@ -55,19 +55,21 @@ VkCommandBuffer QueueWork::take(Queue queue) {
 
 void QueueWork::restart() {
   parts_.clear();
+  waits_.clear();
   for (Pool& pool : pools_) pool.used = 0;
 }
 
 VkCommandBuffer QueueWork::begin() {
   restart();
-  parts_.push_back({Queue::main, take(Queue::main), {}});
+  parts_.push_back({Queue::main, take(Queue::main)});
   return parts_.back().commands;
 }
 
-VkCommandBuffer QueueWork::add(Queue queue, std::vector<Point> waits, Point& reached) {
+VkCommandBuffer QueueWork::add(Queue queue, std::span<const Point> waits, Point& reached) {
   if (!device_.has_second_queue()) queue = Queue::main;
   reached = {queue, timelines_.next(queue)};
-  parts_.push_back({queue, take(queue), std::move(waits), reached.value});
+  parts_.push_back({queue, take(queue), waits_.size(), waits.size(), reached.value});
+  waits_.insert(waits_.end(), waits.begin(), waits.end());
   return parts_.back().commands;
 }
 
@@ -95,26 +97,25 @@ void QueueWork::submit_parts(std::span<const Part> parts, VkFence fence) {
     info.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
     return info;
   };
-  struct Pointed {
-    VkCommandBufferSubmitInfo commands{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
-    std::vector<VkSemaphoreSubmitInfo> waits;
-    VkSemaphoreSubmitInfo signal;
-  };
-  std::vector<Pointed> pointed(parts.size());
-  std::vector<VkSubmitInfo2> infos(parts.size(), {VK_STRUCTURE_TYPE_SUBMIT_INFO_2});
+  wait_infos_.clear();
+  for (const Part& part : parts)
+    for (size_t w = 0; w < part.wait_count; ++w) wait_infos_.push_back(semaphore_info(waits_[part.first_wait + w]));
+  pointed_.assign(parts.size(), {});
+  infos_.assign(parts.size(), {VK_STRUCTURE_TYPE_SUBMIT_INFO_2});
+  size_t first_wait = 0;
   for (size_t i = 0; i < parts.size(); ++i) {
-    Pointed& p = pointed[i];
+    Pointed& p = pointed_[i];
     p.commands.commandBuffer = parts[i].commands;
-    for (const Point& wait : parts[i].waits) p.waits.push_back(semaphore_info(wait));
     p.signal = semaphore_info({parts[i].queue, parts[i].signal});
-    infos[i].waitSemaphoreInfoCount = uint32_t(p.waits.size());
-    infos[i].pWaitSemaphoreInfos = p.waits.data();
-    infos[i].commandBufferInfoCount = 1;
-    infos[i].pCommandBufferInfos = &p.commands;
-    infos[i].signalSemaphoreInfoCount = p.signal.value > 0 ? 1 : 0;
-    infos[i].pSignalSemaphoreInfos = &p.signal;
+    infos_[i].waitSemaphoreInfoCount = uint32_t(parts[i].wait_count);
+    infos_[i].pWaitSemaphoreInfos = wait_infos_.data() + first_wait;
+    infos_[i].commandBufferInfoCount = 1;
+    infos_[i].pCommandBufferInfos = &p.commands;
+    infos_[i].signalSemaphoreInfoCount = p.signal.value > 0 ? 1 : 0;
+    infos_[i].pSignalSemaphoreInfos = &p.signal;
+    first_wait += parts[i].wait_count;
   }
-  VK_CHECK(vkQueueSubmit2(queue_of(parts.front().queue), uint32_t(infos.size()), infos.data(), fence));
+  VK_CHECK(vkQueueSubmit2(queue_of(parts.front().queue), uint32_t(infos_.size()), infos_.data(), fence));
 }
 
 bool QueueWork::wait(double timeout_s) {

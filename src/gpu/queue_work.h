@@ -42,7 +42,7 @@ class QueueWork {
   // Several: restart, then each behind the others of its queue; it waits for the points, and `reached` is its own. The
   // last one is of the main queue and waits for the end of the others.
   void restart();
-  VkCommandBuffer add(Queue queue, std::vector<Point> waits, Point& reached);
+  VkCommandBuffer add(Queue queue, std::span<const Point> waits, Point& reached);
   void submit();
   bool wait(double timeout_s);               // false: not finished in time; other failures throw
   void wait_for_end();                       // of work that an earlier wait gave up on
@@ -52,8 +52,8 @@ class QueueWork {
   struct Part {
     Queue queue;
     VkCommandBuffer commands;
-    std::vector<Point> waits;
-    uint64_t signal = 0;  // 0: none
+    size_t first_wait = 0, wait_count = 0;  // in waits_
+    uint64_t signal = 0;                    // 0: none
   };
   VkCommandBuffer take(Queue queue);
   void submit_parts(std::span<const Part> parts, VkFence fence);
@@ -68,6 +68,14 @@ class QueueWork {
   };
   std::array<Pool, 2> pools_;
   std::vector<Part> parts_;  // begun and not yet submitted
+  std::vector<Point> waits_;
+  struct Pointed {  // of a part, in Vulkan's terms
+    VkCommandBufferSubmitInfo commands{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
+    VkSemaphoreSubmitInfo signal;
+  };
+  std::vector<VkSemaphoreSubmitInfo> wait_infos_;
+  std::vector<Pointed> pointed_;
+  std::vector<VkSubmitInfo2> infos_;
   VkFence fence_ = VK_NULL_HANDLE;
   bool pending_ = false;
 };

@@ -1,7 +1,9 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <optional>
-#include <set>
+#include <initializer_list>
+#include <vector>
 
 #include "base/hash.h"
 
@@ -14,10 +16,26 @@ struct PoolShape {
   bool operator==(const PoolShape&) const = default;
 };
 
+// A few keys.
+class KeySet {
+ public:
+  KeySet() = default;
+  KeySet(std::initializer_list<Hash128> keys) : keys_(keys) {}
+  bool contains(const Hash128& key) const { return std::ranges::find(keys_, key) != keys_.end(); }
+  void insert(const Hash128& key) {
+    if (!contains(key)) keys_.push_back(key);
+  }
+  void clear() { keys_.clear(); }
+  bool empty() const { return keys_.empty(); }
+
+ private:
+  std::vector<Hash128> keys_;
+};
+
 // What earlier frames left that this one may take or fill, by key: a hash of all that decides an image's content.
 struct KeptKeys {
-  std::set<Hash128> filled;  // the image is there
-  std::set<Hash128> seen;    // a frame before had that content: this one fills an image for later ones
+  KeySet filled;  // the image is there
+  KeySet seen;    // a frame before had that content: this one fills an image for later ones
   std::optional<PoolShape> pool;
 };
 

@@ -1,5 +1,6 @@
 #include "plan/survey_frame.h"
 
+#include "base/allocations.h"
 #include "base/log.h"
 #include "base/names.h"
 #include "job/light_groups.h"
@@ -104,6 +105,7 @@ Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext&
   auto posed = pose_scene(context.scene, job, time_s, f.request.look.lights.radius_m, context.face, f.on_device,
                           double(asked.knobs.get<MetaballKnobs>().cell), context.subframe);
   if (!posed) return std::unexpected(posed.error());
+  f.posed_at_allocations = heap_allocations();
   f.pose = std::move(posed->pose), f.view = std::move(posed->view), f.data = std::move(posed->data);
   if (f.request.part.role == SubframePart::Role::subframe) widen(posed->window, f.request);
   if (const auto& paths = context.scene.paths) f.notes.insert(f.notes.end(), paths->notes.begin(), paths->notes.end());

@@ -18,6 +18,7 @@ struct SurveyedFrame {
   FrameRequest request;  // that of the stage before, with what the scene decides: neutral light, sky, layers
   std::vector<uint32_t> light_group_of;  // of each light its place among request.light_groups; empty without groups
   std::vector<std::string> notes;
+  uint64_t posed_at_allocations = 0;  // heap_allocations() when everything was posed
 };
 Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext& context, double time_s);
 

@@ -5,9 +5,9 @@
 
 namespace candela {
 
-std::vector<ByteRange> changed_ranges(std::span<const std::byte> held, std::span<const std::byte> bytes) {
+void changed_ranges(std::span<const std::byte> held, std::span<const std::byte> bytes, std::vector<ByteRange>& ranges) {
   constexpr size_t piece = 256;
-  std::vector<ByteRange> ranges;
+  ranges.clear();
   for (size_t at = 0; at < bytes.size(); at += piece) {
     const size_t count = std::min(piece, bytes.size() - at);
     if (at + count <= held.size() && std::memcmp(held.data() + at, bytes.data() + at, count) == 0) continue;
@@ -16,7 +16,6 @@ std::vector<ByteRange> changed_ranges(std::span<const std::byte> held, std::span
     else
       ranges.push_back({at, count});
   }
-  return ranges;
 }
 
 }  // namespace candela

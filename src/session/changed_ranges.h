@@ -12,6 +12,7 @@ struct ByteRange {
 
 // Where `bytes` is not what `held` holds at the same places, in order and apart from each other: whole pieces of 256
 // bytes, the last one shorter, and all that lies behind the end of `held`.
-std::vector<ByteRange> changed_ranges(std::span<const std::byte> held, std::span<const std::byte> bytes);
+// ranges: whatever it held, its memory is used again.
+void changed_ranges(std::span<const std::byte> held, std::span<const std::byte> bytes, std::vector<ByteRange>& ranges);
 
 }  // namespace candela

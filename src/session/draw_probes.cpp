@@ -12,10 +12,11 @@ namespace {
 
 Expected<ProbeFace> draw_face(const Job& job, PlannedFrame& planned, gpu::FrameRunner& runner, GpuScene& gpu_scene,
                               std::vector<std::string>& warnings) {
-  GpuScene::Uploaded uploaded = gpu_scene.upload(planned);
+  GpuScene::Uploaded uploaded;
+  gpu_scene.upload(planned, uploaded);
   warnings.insert(warnings.end(), uploaded.warnings.begin(), uploaded.warnings.end());
   if (const auto prepared = runner.prepare(planned.graph()); !prepared) return std::unexpected(prepared.error());
-  const gpu::FrameRun run = runner.run(planned.graph(), uploaded.imports, {}, std::move(uploaded.keep));
+  const gpu::FrameRun run = runner.run(planned.graph(), uploaded.imports, {}, uploaded.keep);
   ProbeFace face(size_t(job.width_px) * size_t(job.height_px) * 4);
   for (const FrameOutput& output : planned.made->outputs) {
     if (output.layer != "beauty") continue;

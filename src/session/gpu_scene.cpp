@@ -238,9 +238,9 @@ void GpuScene::fill(FrameBuffer& target, const UploadRow& row) {
                          storage_usage | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT,
                          gpu::Buffer::Memory::upload, gpu::Device::Purpose::frame, row.name);
   }
-  const std::vector<ByteRange> changed = changed_ranges(target.held, row.bytes);
+  changed_ranges(target.held, row.bytes, changed_);
   target.held.resize(std::max(target.held.size(), row.bytes.size()));
-  for (const ByteRange& range : changed) {
+  for (const ByteRange& range : changed_) {
     std::memcpy(target.held.data() + range.first, row.bytes.data() + range.first, range.count);
     std::memcpy(buffer.mapped() + range.first, row.bytes.data() + range.first, range.count);
     device_.count_uploaded(range.count);
@@ -265,7 +265,7 @@ std::shared_ptr<GpuScene::SharedBuffer> GpuScene::shared_buffer(const UploadRow&
     if (found == buffers.end()) found = buffers.insert(found, std::make_shared<SharedBuffer>());
     SharedBuffer& target = **found;
     const bool fits = target.buffer.size() >= row.size_bytes;
-    const auto changed = changed_ranges(fits ? target.held : std::span<const std::byte>(), row.bytes);
+    changed_ranges(fits ? target.held : std::span<const std::byte>(), row.bytes, changed_);
     target.key = {}, target.held = {}, target.owner = {};  // until all of it is there
     target.structures =
         row.on_device ? std::make_unique<gpu::AccelerationStructures>(device_, *row.on_device) : nullptr;
@@ -273,7 +273,7 @@ std::shared_ptr<GpuScene::SharedBuffer> GpuScene::shared_buffer(const UploadRow&
       target.buffer = gpu::Buffer(device_, row.size_bytes, storage_usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                                   gpu::Buffer::Memory::device, gpu::Device::Purpose::frame, row.name);
     const auto uploader = std::make_shared<gpu::Uploader>(device_);
-    for (const ByteRange& range : changed)
+    for (const ByteRange& range : changed_)
       uploader->to_buffer(target.buffer, range.first, row.bytes.subspan(range.first, range.count));
     if (target.structures) {
       uploader->flush();  // over the place that is written now
@@ -289,16 +289,18 @@ std::shared_ptr<GpuScene::SharedBuffer> GpuScene::shared_buffer(const UploadRow&
   return *found;
 }
 
-GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
-  Uploaded uploaded;
+void GpuScene::upload(PlannedFrame& frame, Uploaded& uploaded) {
+  uploaded.imports.clear(), uploaded.keep.clear(), uploaded.warnings.clear();
+  uploaded.decode_ms = 0;
   set_samplers(frame.textures);
   load_textures(frame, uploaded);
   load_split_sum(frame);
   const auto start = Clock::now();
   const std::shared_ptr<Buffers> own = free_buffers();
   uploaded.keep.push_back(own);
+  static const Material plain;
   for (size_t m = 0; m < frame.upload.materials.size(); ++m)
-    set_textures(m < frame.pose.materials.size() ? frame.pose.materials[m] : Material{}, frame.upload.materials[m]);
+    set_textures(m < frame.pose.materials.size() ? frame.pose.materials[m] : plain, frame.upload.materials[m]);
   for (size_t m = 0; m < frame.pose.materials.size(); ++m) {
     const Relief& relief = frame.pose.materials[m].relief;
     if (frame.upload.materials[m].relief == 0) continue;
@@ -348,7 +350,6 @@ GpuScene::Uploaded GpuScene::upload(PlannedFrame& frame) {
     std::memcpy(reinterpret_cast<std::byte*>(&c) + row.address_offset, &address, sizeof address);
   }
   uploaded.upload_ms = ms_since(start);
-  return uploaded;
 }
 
 uint64_t GpuScene::address_in(const Buffers& buffers, const char* name) {

@@ -11,6 +11,7 @@
 #include "gpu/resources.h"
 #include "plan/plan_frame.h"
 #include "plan/upload_table.h"
+#include "session/changed_ranges.h"
 #include "session/gpu_probes.h"
 #include "session/gpu_sky.h"
 
@@ -28,14 +29,14 @@ class GpuScene {
   ~GpuScene();
 
   struct Uploaded {
-    std::map<int, const gpu::Buffer*> imports;      // for FrameRunner::submit
+    gpu::Imports imports;      // for FrameRunner::submit
     std::vector<std::shared_ptr<const void>> keep;  // likewise: while held, the buffers are not written again
     double decode_ms = 0, upload_ms = 0;
     std::vector<std::string> warnings;  // images that are damaged
   };
   // Fills every imported buffer of the plan. An image that no decoder takes is a warning and drawn as scene_images.h
-  // says. Throws GpuError.
-  Uploaded upload(PlannedFrame& frame);
+  // says. uploaded: whatever it held, its memory is used again. Throws GpuError.
+  void upload(PlannedFrame& frame, Uploaded& uploaded);
   // Frames with reflection probes need them loaded.
   GpuProbes& probes() { return probes_; }
 
@@ -61,12 +62,12 @@ class GpuScene {
     gpu::Buffer buffer;
     std::vector<std::byte> held;  // what it holds, from its begin
   };
-  using Buffers = std::map<std::string, FrameBuffer, std::less<>>;  // of the upload table, by name
+  using Buffers = std::map<std::string_view, FrameBuffer>;  // of the upload table, by name
   std::shared_ptr<Buffers> free_buffers();
   void fill(FrameBuffer& target, const UploadRow& row);
   void make_room(FrameBuffer& target, const UploadRow& row);
   static uint64_t address_in(const Buffers& buffers, const char* name);  // 0: there is no such buffer
-  std::map<std::string, gpu::Buffer, std::less<>> scene_buffers_;
+  std::map<std::string_view, gpu::Buffer> scene_buffers_;
   std::vector<std::shared_ptr<Buffers>> frame_buffers_;
   // Of content that many frames share; frames in flight hold what they use.
   struct SharedBuffer {
@@ -77,7 +78,8 @@ class GpuScene {
     std::unique_ptr<gpu::AccelerationStructures> structures;
   };
   std::shared_ptr<SharedBuffer> shared_buffer(const UploadRow& row, Uploaded& uploaded);
-  std::map<std::string, std::vector<std::shared_ptr<SharedBuffer>>, std::less<>> shared_buffers_;
+  std::map<std::string_view, std::vector<std::shared_ptr<SharedBuffer>>> shared_buffers_;
+  std::vector<ByteRange> changed_;
   struct LoadedTexture {
     gpu::Texture texture;
     uint32_t index = shared::absent;

@@ -6,9 +6,9 @@
 
 namespace candela {
 
-KeptImages kept_images(const PlannedFrame& planned, gpu::ImageCache* cache,
-                       std::shared_ptr<gpu::KeptImage>& lamp_image) {
-  KeptImages images;
+void kept_images(const PlannedFrame& planned, gpu::ImageCache* cache, std::shared_ptr<gpu::KeptImage>& lamp_image,
+                 KeptImages& images) {
+  images.held.clear(), images.by_resource.clear(), images.filled.clear();
   const std::vector<PlanResource>& resources = planned.graph().plan.resources;
   for (size_t r = 0; r < resources.size() && cache; ++r) {
     const PlanResource& resource = resources[r];
@@ -29,7 +29,6 @@ KeptImages kept_images(const PlannedFrame& planned, gpu::ImageCache* cache,
     images.by_resource[int(r)] = images.held.back().get();
     if (resource.to_fill) images.filled.emplace_back(key, images.held.back());
   }
-  return images;
 }
 
 }  // namespace candela

@@ -14,7 +14,8 @@
 #include "plan/choose_sides.h"
 #include "plan/posed_scene.h"
 #include "plan/scene_motion.h"
-#include "session/allocations.h"
+#include "base/allocations.h"
+#include "session/begun_frame.h"
 #include "session/device_samples.h"
 #include "session/draw_probes.h"
 #include "session/gpu_scene.h"
@@ -64,24 +65,15 @@ class DeviceSession : public Session {
   Expected<void> choose_by_device();
   Expected<void> choose_again();
   PlanContext plan_context() const;
-  // What a frame's result needs beside what the device leaves.
-  struct Begun {
-    FrameResult result;
-    std::shared_ptr<const PlannedGraph> made;  // whose reports are read
-    std::string refusal;                // why the device's picture is not the frame's
-    std::vector<KnobSetting> enlarged;  // with which it would be
-    bool hash_outputs = false;
-    int counts = -1;
-    double submit_us = 0;                // when recording began
-    std::vector<FrameTicket> subframes;  // begun before it, whose mean it takes
-  };
   Expected<FrameTicket> begin_job(const Job& job, double time_s, bool hash_outputs);
   // One frame: the picture, or a part of it.
   Expected<FrameTicket> begin_frame(const Job& job, double time_s, bool hash_outputs, const Subframe* subframe);
-  Expected<FrameTicket> begin_planned(PlannedFrame& planned, Begun& begun, bool hash_outputs);
+  // Hands a planned frame to the device.
+  Expected<FrameTicket> submit(PlannedFrame& planned, SubmitTimes& times, bool hash_outputs);
   // The error with where the frame left what shows why it did not end in time (session/timeout_report.h).
   Error failed(const gpu::GpuError& error, const FramePlan& plan) const;
-  void take_run(gpu::FrameRun run, Begun& begun);
+  // Waits for a frame that was begun and takes what it left; once.
+  void collect(FrameTicket ticket);
 
   Job asked_, job_;  // as it was given; with what was left to us chosen
   std::string told_technique_, told_transparency_, told_sides_;
@@ -109,9 +101,15 @@ class DeviceSession : public Session {
   LampPool lamp_pool_;                     // what `lamp_image_` holds once frames in flight are drawn
   std::shared_ptr<gpu::KeptImage> lamp_image_;
   std::unique_ptr<gpu::FrameRunner> runner_;
-  std::map<FrameTicket, Begun> begun_;
+  std::map<FrameTicket, BegunFrame> begun_;
   std::unique_ptr<SubframeSums> sums_;
+  // Of the frame at hand; their memory serves the next one.
   KeptGraphs graphs_;
+  KeptKeys kept_keys_;
+  PlannedFrame planned_;
+  GpuScene::Uploaded uploaded_;
+  KeptImages kept_images_;
+  gpu::RunOptions run_options_;
 };
 
 Expected<void> DeviceSession::load() {
@@ -289,9 +287,11 @@ Expected<FrameTicket> DeviceSession::begin_job(const Job& job, double time_s, bo
       return ticket;
     }
     begun.push_back(*ticket);
+    // What a frame holds until it is collected would add up.
+    if (const size_t ahead = size_t(in_flight()); begun.size() > ahead) collect(begun[begun.size() - 1 - ahead]);
   }
   sums_->begin_picture();
-  Begun& picture = begun_.at(begun.back());
+  BegunFrame& picture = begun_.at(begun.back());
   picture.subframes.assign(begun.begin(), begun.end() - 1);
   return begun.back();
 }
@@ -299,114 +299,109 @@ Expected<FrameTicket> DeviceSession::begin_job(const Job& job, double time_s, bo
 Expected<FrameTicket> DeviceSession::begin_frame(const Job& job, double time_s, bool hash_outputs,
                                                  const Subframe* subframe) {
   const double start = process_clock_us();
-  const uint64_t allocations_before = heap_allocations();
   PlanContext context = plan_context();
   context.subframe = subframe;
   context.graphs = &graphs_;
-  const KeptKeys kept = kept_ ? kept_->keys() : KeptKeys{};
-  if (kept_) context.kept = &kept;
+  if (kept_) kept_->keys(kept_keys_), context.kept = &kept_keys_;
   const KeptLamps kept_lamps{lamp_pool_, settings_.kept_bytes};
   if (kept_ && !hash_outputs) context.kept_lamps = &kept_lamps;  // the pool's bytes depend on other frames
-  auto planned = plan_frame(job, context, wanted_, time_s);
-  if (!planned) return std::unexpected(planned.error());
-  if (planned->rays) rays_ = planned->rays;
-  if (auto fine = check_traversal(planned->traced.tree, device_->info().rays, device_->info().name); !fine)
+  PlannedFrame& planned = planned_;
+  if (auto fine = plan_frame(job, context, wanted_, time_s, planned); !fine) return std::unexpected(fine.error());
+  if (planned.rays) rays_ = planned.rays;
+  if (auto fine = check_traversal(planned.traced.tree, device_->info().rays, device_->info().name); !fine)
     return std::unexpected(fine.error());
   try {
-    Begun begun;
-    FrameResult& result = begun.result;
     const uint64_t uploaded_before = device_->uploaded_bytes();
-    if (planned->facts.probes > 0 && !probes_drawn_) {
-      const StageTimer timer(result.timings, "probes");
+    Timings probe_times;
+    std::vector<std::string> probe_warnings;
+    if (planned.facts.probes > 0 && !probes_drawn_) {
+      const StageTimer timer(probe_times, "probes");
       PlanContext without_rays{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
       without_rays.cpu = context.cpu, without_rays.stores_samples = context.stores_samples;
-      if (auto drawn = draw_probes(job, without_rays, *planned, *runner_, *gpu_scene_, result.warnings); !drawn)
+      if (auto drawn = draw_probes(job, without_rays, planned, *runner_, *gpu_scene_, probe_warnings); !drawn)
         return std::unexpected(drawn.error());
       probes_drawn_ = true;
     }
-    result.time_s = time_s;
-    double at_us = start;
-    for (const auto& [stage, ms] : planned->clock.stages()) {
-      result.timings.add(stage, ms);
-      result.timings.spans.push_back({stage, "cpu", at_us, ms * 1000});
-      at_us += ms * 1000;
-    }
-    const auto ticket = begin_planned(*planned, begun, hash_outputs);
+    SubmitTimes times;
+    const auto ticket = submit(planned, times, hash_outputs);
     if (!ticket) return ticket;
-    result.timings.heap_allocations = heap_allocations() - allocations_before;
-    count_lamp_maps(planned->lamps, result.timings);
+    // Only now is anything asked of the heap: in a film that goes on with its plan, nothing was until here.
+    BegunFrame& begun = begun_[*ticket];
+    FrameResult& result = begun.result;
+    result.timings = std::move(probe_times), result.warnings = std::move(probe_warnings);
+    result.timings.heap_allocations = times.allocations - planned.posed_at_allocations;
+    result.time_s = time_s;
+    add_stages(planned.clock, start, result.timings);
+    add_times(times, result.timings);
+    count_lamp_maps(planned.lamps, result.timings);
     result.timings.uploaded_bytes = device_->uploaded_bytes() - uploaded_before;
+    result.warnings.insert(result.warnings.end(), uploaded_.warnings.begin(), uploaded_.warnings.end());
     result.window = picture_window(job_);
     result.width_px = result.window.part.width, result.height_px = result.window.part.height;
-    result.view = planned->view, result.request = planned->request;
-    result.outputs = planned->made->outputs;
-    result.pre_exposure = planned->upload.constants.pre_exposure;
-    result.plan_hash = planned->made->hash, result.rays = planned->rays;
-    result.dumps = planned->made->dumps;
-    result.plan = {planned->made, &planned->made->graph.plan};
-    result.notes = std::move(planned->notes);
+    result.view = planned.view, result.request = planned.request;
+    result.outputs = planned.made->outputs;
+    result.pre_exposure = planned.upload.constants.pre_exposure;
+    result.plan_hash = planned.made->hash, result.rays = planned.rays;
+    result.dumps = planned.made->dumps;
+    result.plan = {planned.made, &planned.made->graph.plan};
+    result.notes = planned.notes;
     if (!left_out_.empty()) result.warnings.push_back(left_out_);
-    begun.made = planned->made;
-    begun.hash_outputs = hash_outputs, begun.counts = planned->made->counts;
-    begun_.emplace(*ticket, std::move(begun));
+    begun.made = planned.made;
+    begun.hash_outputs = hash_outputs, begun.submit_us = times.submit_us;
     return ticket;
   } catch (const gpu::GpuError& e) {
     // Not begun again with less in memory: what was half made when memory ended, an image on the device without its
     // content, would be taken for whole, and the frame would be another.
-    return std::unexpected(failed(e, planned->graph().plan));
+    return std::unexpected(failed(e, planned.graph().plan));
   }
 }
 
-Expected<FrameTicket> DeviceSession::begin_planned(PlannedFrame& planned, Begun& begun, bool hash_outputs) {
-  Timings& t = begun.result.timings;
+Expected<FrameTicket> DeviceSession::submit(PlannedFrame& planned, SubmitTimes& times, bool hash_outputs) {
   // Pipelines know nothing of texels and memory: they are made while textures are decoded and images allocated.
   const bool fresh = !runner_->is_compiled(planned.graph());
-  Timings compiling_times;
   std::future<Expected<gpu::PrepareTimes>> compiling;
   if (fresh)
     compiling = std::async(std::launch::async, [&] {
-      const StageTimer timer(compiling_times, "compile", "compile");
+      const StageTimer timer(times.compiling, "compile", "compile");
       return runner_->compile(planned.graph());
     });
-  const double upload_start = process_clock_us();
-  GpuScene::Uploaded uploaded = gpu_scene_->upload(planned);
-  begun.result.warnings = std::move(uploaded.warnings);
-  t.add("decode", uploaded.decode_ms);
-  t.add("upload", (process_clock_us() - upload_start) / 1000 - uploaded.decode_ms);
-  t.spans.push_back({"decode and upload", "cpu", upload_start, process_clock_us() - upload_start});
-  {
-    const StageTimer timer(t, "allocate");
-    runner_->allocate(planned.graph());
-  }
+  times.upload_us = process_clock_us();
+  gpu_scene_->upload(planned, uploaded_);
+  times.allocate_us = process_clock_us();
+  runner_->allocate(planned.graph());
+  times.allocated_us = process_clock_us();
   if (fresh)
     if (const auto compiled = compiling.get(); !compiled) return std::unexpected(compiled.error());
-  t.add("compile", compiling_times.total("compile"));
-  t.spans.insert(t.spans.end(), compiling_times.spans.begin(), compiling_times.spans.end());
   if (const auto prepared = runner_->prepare(planned.graph()); !prepared) return std::unexpected(prepared.error());
-  sums_->import(planned.graph().plan, uploaded.imports, uploaded.keep);
+  sums_->import(planned.graph().plan, uploaded_.imports, uploaded_.keep);
   // Until the frame is handed over nobody knows what it leaves there.
   if (planned.lamps.pool) lamp_pool_ = {};
-  const KeptImages kept = kept_images(planned, kept_.get(), lamp_image_);
-  uploaded.keep.push_back(planned.made);
-  uploaded.keep.insert(uploaded.keep.end(), kept.held.begin(), kept.held.end());
+  kept_images(planned, kept_.get(), lamp_image_, kept_images_);
+  uploaded_.keep.push_back(planned.made);
+  uploaded_.keep.insert(uploaded_.keep.end(), kept_images_.held.begin(), kept_images_.held.end());
+  run_options_ = {.images = std::move(run_options_.images)};
+  std::swap(run_options_.images, kept_images_.by_resource);
   if (settings_.timed && fresh) {
     // Drivers finish compiling at a pipeline's first use: an untimed run first, so that passes are charged their own
     // work.
-    const StageTimer timer(t, "warm_up");
-    runner_->run(planned.graph(), uploaded.imports, {.images = kept.by_resource}, uploaded.keep);
+    const StageTimer timer(times.measuring, "warm_up");
+    runner_->run(planned.graph(), uploaded_.imports, run_options_, uploaded_.keep);
   }
   if (settings_.overlap) {
-    const StageTimer timer(t, "overlap");
-    t.overlap = measure_overlap(*runner_, *device_, planned.graph(), uploaded.imports, kept.by_resource);
+    const StageTimer timer(times.measuring, "overlap");
+    times.measuring.overlap =
+        measure_overlap(*runner_, *device_, planned.graph(), uploaded_.imports, run_options_.images);
   }
-  const double submit_start = process_clock_us();
-  const FrameTicket ticket = runner_->submit(
-      planned.graph(), uploaded.imports,
-      {.timed = settings_.timed, .hash_outputs = hash_outputs, .images = kept.by_resource}, std::move(uploaded.keep));
-  for (const auto& [key, image] : kept.filled) kept_->insert(key, image);
+  run_options_.timed = settings_.timed, run_options_.hash_outputs = hash_outputs;
+  times.submit_us = process_clock_us();
+  const FrameTicket ticket = runner_->submit(planned.graph(), uploaded_.imports, run_options_, uploaded_.keep);
+  times.end_us = process_clock_us();
+  times.decode_ms = uploaded_.decode_ms;
+  times.allocations = heap_allocations();
+  uploaded_.keep.clear();
+  for (const auto& [key, image] : kept_images_.filled) kept_->insert(key, image);
+  kept_images_.held.clear(), kept_images_.filled.clear();
   if (planned.lamps.pool && lamp_image_) lamp_pool_ = *planned.lamps.pool, lamp_pool_.fresh = false;
-  t.spans.push_back({"record and submit", "cpu", submit_start, process_clock_us() - submit_start});
-  begun.submit_us = submit_start;
   return ticket;
 }
 
@@ -417,28 +412,34 @@ Error DeviceSession::failed(const gpu::GpuError& error, const FramePlan& plan) c
   return result;
 }
 
+// All are waited for, also behind an error: each ticket is collected once.
+void DeviceSession::collect(FrameTicket ticket) {
+  BegunFrame& begun = begun_.at(ticket);
+  if (std::exchange(begun.collected, true)) return;
+  try {
+    const double start = process_clock_us();
+    gpu::FrameRun run = runner_->collect(ticket);
+    begun.result.timings.spans.push_back({"wait", "cpu", start, process_clock_us() - start});
+    take_run(std::move(run), begun);
+  } catch (const gpu::GpuError& e) {
+    begun.error = failed(e, *begun.result.plan);
+  }
+}
+
 Expected<FrameResult> DeviceSession::finish(FrameTicket ticket) {
   CHECK_MSG(begun_.contains(ticket), "finish of a frame that was not begun");
   std::vector<FrameTicket> tickets = begun_.at(ticket).subframes;
   tickets.push_back(ticket);
-  std::vector<Begun> frames;
+  std::vector<BegunFrame> frames;
   std::optional<Error> error;
   for (const FrameTicket each : tickets) {
+    collect(each);
     frames.push_back(std::move(begun_.extract(each).mapped()));
-    Begun& begun = frames.back();
-    // All are waited for, also behind an error: each ticket is collected once.
-    try {
-      const double start = process_clock_us();
-      gpu::FrameRun run = runner_->collect(each);
-      begun.result.timings.spans.push_back({"wait", "cpu", start, process_clock_us() - start});
-      take_run(std::move(run), begun);
-    } catch (const gpu::GpuError& e) {
-      if (!error) error = failed(e, *begun.result.plan);
-    }
+    if (frames.back().error && !error) error = frames.back().error;
   }
   if (error) return std::unexpected(*error);
-  const Begun& picture = frames.back();
-  const auto refused = std::ranges::find_if(frames, [](const Begun& f) { return !f.refusal.empty(); });
+  const BegunFrame& picture = frames.back();
+  const auto refused = std::ranges::find_if(frames, [](const BegunFrame& f) { return !f.refusal.empty(); });
   if (refused != frames.end() && chose_transparency_ && !refused->enlarged.empty()) {
     Job larger = job_;
     larger.settings.insert(larger.settings.end(), refused->enlarged.begin(), refused->enlarged.end());
@@ -454,40 +455,8 @@ Expected<FrameResult> DeviceSession::finish(FrameTicket ticket) {
       return fail(ErrorKind::device, "", "the validation layer says ({} in all): {}", messages.size(),
                   messages.front());
   std::vector<FrameResult> results;
-  for (Begun& begun : frames) results.push_back(std::move(begun.result));
+  for (BegunFrame& begun : frames) results.push_back(std::move(begun.result));
   return one_picture(std::move(results));
-}
-
-void DeviceSession::take_run(gpu::FrameRun run, Begun& begun) {
-  FrameResult& result = begun.result;
-  Timings& t = result.timings;
-  t.add("record", run.record_ms);
-  t.add("wait", run.submit_ms + run.wait_ms);
-  double gpu_at = begun.submit_us + run.record_ms * 1000;
-  for (const gpu::PassTime& pass : run.passes) {
-    t.spans.push_back({pass.name, "gpu", gpu_at, pass.gpu_ms * 1000});
-    gpu_at += pass.gpu_ms * 1000;
-  }
-  t.gpu_ms = std::move(run.passes);
-  t.frame_gpu_ms = run.frame_gpu_ms;
-  result.readbacks = std::move(run.readbacks);
-  result.hashes = std::move(run.hashes);
-  if (const auto found = result.readbacks.find(begun.counts); found != result.readbacks.end()) {
-    const std::span<const std::byte> bytes = found->second->bytes();
-    result.counts.resize(bytes.size() / sizeof(shared::PackCounts));
-    std::memcpy(result.counts.data(), bytes.data(), result.counts.size() * sizeof(shared::PackCounts));
-  }
-  for (const FrameReport& report : begun.made->reports) {
-    const auto found = result.readbacks.find(report.resource);
-    if (found == result.readbacks.end()) continue;
-    const std::span<const std::byte> bytes = found->second->bytes();
-    for (std::string& warning : report.warnings(bytes)) result.warnings.push_back(std::move(warning));
-    if (report.enlarged && report.refusal && begun.enlarged.empty() && !report.refusal(bytes).empty())
-      begun.enlarged = report.enlarged(bytes);
-    if (report.refusal && begun.refusal.empty()) begun.refusal = report.refusal(bytes);
-    if (!report.notes) continue;
-    for (std::string& note : report.notes(bytes)) result.notes.push_back(std::move(note));
-  }
 }
 
 }  // namespace

@@ -31,7 +31,8 @@ struct Timings {
   // Shadow maps of point and spot lights: that the frame reads; that it draws, the others being kept; and those of what
   // moves, over a copy of what stands.
   uint64_t lamp_maps = 0, lamp_maps_drawn = 0, lamp_maps_over = 0;
-  // Of the thread that planned the frame and handed it to the device, until it had (session/allocations.h).
+  // Of the thread that planned the frame and handed it to the device, from when everything was posed until it had
+  // (base/allocations.h). 0 in a film whose plan stays.
   uint64_t heap_allocations = 0;
   uint64_t uploaded_bytes = 0;  // sent to the device: of a frame, what differs from what the device holds
   // Spans for the Chrome trace: name, start and length in microseconds since the process began, lane ("cpu",

@@ -14,7 +14,7 @@ std::shared_ptr<gpu::Buffer> SubframeSums::buffer_of(uint64_t bytes) {
   return spare_.back();
 }
 
-void SubframeSums::import(const FramePlan& plan, std::map<int, const gpu::Buffer*>& imports,
+void SubframeSums::import(const FramePlan& plan, gpu::Imports& imports,
                           std::vector<std::shared_ptr<const void>>& keep) {
   // What the frame before left is what this one takes.
   for (auto& [name, buffer] : after_) before_[name] = std::move(buffer);

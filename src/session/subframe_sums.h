@@ -17,7 +17,7 @@ class SubframeSums {
   void begin_picture() { before_.clear(), after_.clear(); }
   // The buffers of a frame's plan, in the order in which frames are handed to the device. keep: lives until the device
   // is done with the frame. Throws GpuError.
-  void import(const FramePlan& plan, std::map<int, const gpu::Buffer*>& imports,
+  void import(const FramePlan& plan, gpu::Imports& imports,
               std::vector<std::shared_ptr<const void>>& keep);
 
  private:

@@ -139,8 +139,8 @@ std::string trace_json(std::span<const Timings::Span> spans) {
 }
 
 Timings::Overlap measure_overlap(gpu::FrameRunner& runner, const gpu::Device& device, const CompiledGraph& graph,
-                                 const std::map<int, const gpu::Buffer*>& imports,
-                                 const std::map<int, const gpu::KeptImage*>& images) {
+                                 const gpu::Imports& imports,
+                                 const gpu::ByResource<gpu::KeptImage>& images) {
   constexpr int runs = 15;
   std::vector<double> all, one;
   for (int i = 0; i <= runs; ++i)  // the first of each warms up

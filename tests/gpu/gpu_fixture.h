@@ -31,7 +31,7 @@ class GpuTest : public ::testing::Test {
   }
 
   FrameRun run(const CompiledGraph& graph, const RunOptions& options = {},
-               const std::map<int, const Buffer*>& imports = {}) {
+               const Imports& imports = {}) {
     const auto prepared = runner->prepare(graph);
     EXPECT_TRUE(prepared) << prepared.error().text();
     return prepared ? runner->run(graph, imports, options) : FrameRun{};

@@ -70,7 +70,7 @@ class PassTest : public GpuTest {
   }
   FrameRun run_all(const GraphBuilder& builder) { return run(compile_graph(builder), {}, imports); }
 
-  std::map<int, const Buffer*> imports;
+  Imports imports;
 };
 
 }  // namespace candela::gpu::test

@@ -1,4 +1,4 @@
-#include "session/allocations.h"
+#include "base/allocations.h"
 
 #include <cstdlib>
 #include <new>

@@ -24,6 +24,7 @@ class StageClock {
       if (known == name) current_ = &ms;
     if (!current_) current_ = &stages_.emplace_back(name, 0).second;
   }
+  void restart() { stages_.clear(), current_ = nullptr; }
   void end() {
     const Clock::time_point now = Clock::now();
     if (current_) *current_ += std::chrono::duration<double, std::milli>(now - since_).count();

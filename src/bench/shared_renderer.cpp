@@ -99,7 +99,7 @@ Expected<FrameResult> SharedRenderer::one_frame(const Job& job, const PlanContex
   frame.outputs = planned->made->outputs;
   frame.readbacks = runner_->run(planned->graph(), uploaded.imports, {}).readbacks;
   frame.pre_exposure = planned->upload.constants.pre_exposure;
-  frame.notes = std::move(planned->notes);
+  frame.notes.assign(planned->notes.begin(), planned->notes.end());
   frame.warnings = std::move(of_probes);
   frame.warnings.insert(frame.warnings.end(), uploaded.warnings.begin(), uploaded.warnings.end());
   if (settings_.validate)

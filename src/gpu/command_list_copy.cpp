@@ -1,4 +1,5 @@
 #include "base/check.h"
+#include "base/scratch.h"
 #include "gpu/command_list_impl.h"
 #include "gpu/image_copy.h"
 #include "graph/access.h"
@@ -35,7 +36,8 @@ void CommandListImpl::copy_to_buffer(ImageHandle image, BufferHandle target, Ima
   const Part from = part(image, Access::transfer_source, range);
   use_of(target, {Access::transfer_destination});
   CHECK_MSG(buffer(target.resource).size() >= range_bytes(from.desc, from.range), pass_.name);
-  const std::vector<VkBufferImageCopy> regions = copy_regions(from.desc, from.image, from.range);
+  Scratch scratch;
+  const ScratchVector<VkBufferImageCopy> regions = copy_regions(from.desc, from.image, from.range, &scratch);
   vkCmdCopyImageToBuffer(commands_, from.image.image, from.layout, buffer(target.resource).handle(),
                          uint32_t(regions.size()), regions.data());
 }
@@ -47,7 +49,8 @@ void CommandListImpl::copy_part_to_buffer(ImageHandle image, BufferHandle target
   CHECK_MSG(
       buffer(target.resource).size() >= uint64_t(rect.width) * uint64_t(rect.height) * format_bytes(from.desc.format),
       pass_.name);
-  std::vector<VkBufferImageCopy> regions = copy_regions(from.desc, from.image, from.range);
+  Scratch scratch;
+  ScratchVector<VkBufferImageCopy> regions = copy_regions(from.desc, from.image, from.range, &scratch);
   CHECK_MSG(regions.size() == 1, pass_.name);
   regions[0].imageOffset = {rect.x, rect.y, 0};
   regions[0].imageExtent = {uint32_t(rect.width), uint32_t(rect.height), 1};
@@ -58,7 +61,8 @@ void CommandListImpl::copy_to_image(BufferHandle source, ImageHandle image, Imag
   const Part to = part(image, Access::transfer_destination, range);
   use_of(source, {Access::transfer_source});
   CHECK_MSG(buffer(source.resource).size() >= range_bytes(to.desc, to.range), pass_.name);
-  const std::vector<VkBufferImageCopy> regions = copy_regions(to.desc, to.image, to.range);
+  Scratch scratch;
+  const ScratchVector<VkBufferImageCopy> regions = copy_regions(to.desc, to.image, to.range, &scratch);
   vkCmdCopyBufferToImage(commands_, buffer(source.resource).handle(), to.image.image, to.layout,
                          uint32_t(regions.size()), regions.data());
 }

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <set>
 
+#include "base/scratch.h"
 #include "gpu/image_copy.h"
 #include "gpu/timing.h"
 #include "graph/access.h"
@@ -82,7 +83,8 @@ void OutputHasher::record_image(const FrameContext& frame, const PlanPass& pass,
   if (desc.samples > 1) {
     samples_.record(commands, desc, frame.view(view_key(use)), staging_.address());
   } else {
-    const std::vector<VkBufferImageCopy> regions = copy_regions(desc, image, use.range);
+    Scratch scratch;
+    const ScratchVector<VkBufferImageCopy> regions = copy_regions(desc, image, use.range, &scratch);
     vkCmdCopyImageToBuffer(commands, image.image, read, staging_.handle(), uint32_t(regions.size()), regions.data());
   }
   change_all(false);

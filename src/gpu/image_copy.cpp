@@ -15,9 +15,9 @@ uint64_t mip_bytes(const ImageDesc& desc, uint32_t mip, uint32_t layers) {
 }
 }  // namespace
 
-std::vector<VkBufferImageCopy> copy_regions(const ImageDesc& desc, const PhysicalImage& image,
-                                            const ImageRange& range) {
-  std::vector<VkBufferImageCopy> regions;
+std::pmr::vector<VkBufferImageCopy> copy_regions(const ImageDesc& desc, const PhysicalImage& image,
+                                                 const ImageRange& range, std::pmr::memory_resource* memory) {
+  std::pmr::vector<VkBufferImageCopy> regions(memory);
   uint64_t offset = 0;
   for (uint32_t mip = range.first_mip; mip < range.first_mip + range.mip_count; ++mip) {
     VkBufferImageCopy region{};

@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct PlanContext {
   KeptGraphs* graphs = nullptr;           // of earlier frames; null: the graph is made anew
   const KeptKeys* kept = nullptr;         // what earlier frames left; null: nothing is kept
   const KeptLamps* kept_lamps = nullptr;  // likewise, of maps of point and spot lights
+  std::span<const uint8_t> moving = {};   // as moving_of() gives it, for the job's animation; empty: it is found anew
   const View* face = nullptr;             // of a reflection probe's image, which takes the place of the job's camera
   const Subframe* subframe = nullptr;     // what the frame is of a picture with shutter or lens; null: all of it
   DevicePose on_device = {};              // instances that the device can pose

@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include "base/scratch.h"
 #include "plan/frame_views.h"
 #include "scene/glow.h"
 
@@ -13,6 +14,7 @@ namespace {
 // Bytes of what is laid out for the device, which has no padding, and of single numbers.
 class Bytes {
  public:
+  explicit Bytes(std::pmr::memory_resource* memory) : bytes_(memory) {}
   template <class T>
   void add(const T& value) {
     static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= 8);
@@ -23,7 +25,7 @@ class Bytes {
   Hash128 hash() const { return hash128(bytes_); }
 
  private:
-  std::vector<std::byte> bytes_;
+  std::pmr::vector<std::byte> bytes_;
 };
 
 void add_mask(const Material& m, Bytes& out) {
@@ -51,7 +53,8 @@ void add_relief(const Material& m, Bytes& out) {
 }
 
 void add_material(const Pose& pose, uint32_t index, const DrawBatch& run, Bytes& out) {
-  const Material material = index < pose.materials.size() ? pose.materials[index] : Material{};
+  static const Material plain;
+  const Material& material = index < pose.materials.size() ? pose.materials[index] : plain;
   out.add(uint32_t(glows_all_over(material)));
   if (run.alpha == AlphaMode::mask) add_mask(material, out);
   if (run.relief) add_relief(material, out);
@@ -106,13 +109,15 @@ CasterHash hash_of(const Bytes& bytes) {
 
 }  // namespace
 
-CasterHashes caster_hashes(const FrameData& data, const DrawList& draws, const FrameUpload& upload, const Pose& pose) {
-  CasterHashes out;
-  out.items.resize(upload.items.size());
+void caster_hashes(const FrameData& data, const DrawList& draws, const FrameUpload& upload, const Pose& pose,
+                   CasterHashes& out) {
+  out.items.assign(upload.items.size(), {});
+  out.clusters.clear();
   const auto hash_item = [&](uint32_t i, const DrawBatch& run) {
     const shared::Item& item = upload.items[i];
     const shared::Transform& t = upload.transforms[item.transform];
-    Bytes bytes;
+    Scratch scratch;
+    Bytes bytes(&scratch);
     add_run(run, bytes);
     for (const glm::vec4& row : {t.row0, t.row1, t.row2}) bytes.add(glm::vec3(row));
     bytes.add(upload.places[item.transform]);
@@ -122,7 +127,8 @@ CasterHashes caster_hashes(const FrameData& data, const DrawList& draws, const F
   };
   const auto hash_group = [&](const DrawBatch& run, const DrawSpan& span) {
     const ItemGroup& group = data.item_groups[size_t(span.group)];
-    Bytes bytes;
+    Scratch scratch;
+    Bytes bytes(&scratch);
     add_run(run, bytes);
     for (int c = 0; c < 3; ++c) bytes.add(glm::dvec3(group.relative_from_node[c]));
     bytes.add(group.world_origin);
@@ -130,7 +136,7 @@ CasterHashes caster_hashes(const FrameData& data, const DrawList& draws, const F
     add_sections(upload, pose, run, span, bytes);
     const Hash128 of_group = bytes.hash();
     for (uint32_t cluster = 0; cluster < group.set->clusters.size(); ++cluster) {
-      Bytes of_cluster;
+      Bytes of_cluster(&scratch);
       of_cluster.add(of_group);
       of_cluster.add(cluster);
       out.clusters.push_back(hash_of(of_cluster));
@@ -142,12 +148,12 @@ CasterHashes caster_hashes(const FrameData& data, const DrawList& draws, const F
         for (uint32_t i = range.begin(); i < range.end(); ++i) hash_item(i, run);
       });
   });
-  return out;
 }
 
 std::optional<Hash128> caster_hash(const DrawList& draws, const FrameUpload& upload, const Pose& pose,
                                    const TextureKnobs& textures, const ReliefKnobs& relief) {
-  Bytes out;
+  Scratch scratch;
+  Bytes out(&scratch);
   bool deformed = false;
   // Of instances that a pass poses, where their node is and which they are.
   const auto add_group = [&](const DrawBatch& run, const DrawSpan& span) {
@@ -177,7 +183,8 @@ std::optional<Hash128> caster_hash(const DrawList& draws, const FrameUpload& upl
 }
 
 Hash128 depth_views_key(const Hash128& casters, const ViewImage& image) {
-  Bytes out;
+  Scratch scratch;
+  Bytes out(&scratch);
   out.add(casters);
   out.add(hash128(image.name));
   out.add(image.size_px);

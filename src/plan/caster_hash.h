@@ -1,4 +1,5 @@
 #pragma once
+#include <memory_resource>
 #include <optional>
 #include <span>
 #include <vector>
@@ -30,10 +31,13 @@ struct CasterHash {
   }
 };
 struct CasterHashes {
-  std::vector<CasterHash> items;     // posed by the host, in the order of drawing; zeros: it casts none
-  std::vector<CasterHash> clusters;  // of item_clusters()
+  std::pmr::vector<CasterHash> items;     // posed by the host, in the order of drawing; zeros: it casts none
+  std::pmr::vector<CasterHash> clusters;  // of item_clusters()
+  explicit CasterHashes(std::pmr::memory_resource* memory = std::pmr::get_default_resource())
+      : items(memory), clusters(memory) {}
 };
-CasterHashes caster_hashes(const FrameData& data, const DrawList& draws, const FrameUpload& upload, const Pose& pose);
+void caster_hashes(const FrameData& data, const DrawList& draws, const FrameUpload& upload, const Pose& pose,
+                   CasterHashes& hashes);
 
 // The key of the image that these views draw of those casters.
 Hash128 depth_views_key(const Hash128& casters, const ViewImage& image);

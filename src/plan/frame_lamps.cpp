@@ -3,22 +3,22 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <numeric>
-#include <set>
 
+#include "base/scratch.h"
 #include "passes/geometry/depth_views.h"
 #include "plan/frame_suns.h"
 #include "plan/lamp_faces.h"
-#include "scene/moving_nodes.h"
 
 namespace candela {
 namespace {
 
 constexpr uint32_t usual_layer_px = 2048;
 
-std::string why_none(const SceneFacts& facts, const FrameRequest& request, const LampKnobs& knobs, bool see_through) {
+std::string_view why_none(const SceneFacts& facts, const FrameRequest& request, const LampKnobs& knobs, bool see_through) {
   if (facts.point_lights + facts.spot_lights == 0) return "no point or spot light shines";
   if (!facts.takes_light() && !request.draws_fog() && !request.draws_volumetric())
     return "nothing that is drawn takes light";
@@ -38,7 +38,9 @@ struct Candidate {
   size_t light = 0;
   Lamp lamp;
   uint32_t size_px = 0, wished_px = 0;
-  std::vector<int> faces;  // that matter to the picture
+  std::array<int, 6> face{};  // those that matter to the picture
+  uint32_t face_count = 0;
+  std::span<const int> faces() const { return std::span(face).first(face_count); }
 };
 
 // What a light can add to the picture: its light on what it stands before, where it gives near_lux, in the fraction of
@@ -67,17 +69,19 @@ struct Ranked {
 };
 
 // Point and spot lights that may light the picture, in the order of lights.
-std::vector<Ranked> ranked_lights(const Scene& scene, const FrameData& data, const View& view,
-                                  const FrustumPlanes& planes, const std::set<std::string>& marked) {
-  std::vector<bool> marked_nodes(scene.nodes.size());
+ScratchVector<Ranked> ranked_lights(const Scene& scene, const FrameData& data, const View& view,
+                                    const FrustumPlanes& planes, std::span<const std::string> marked,
+                                    std::pmr::memory_resource* memory) {
+  ScratchVector<Ranked> out(data.lights.size(), memory);
+  Scratch scratch;
+  ScratchVector<uint8_t> marked_nodes(scene.nodes.size(), uint8_t(0), &scratch);
   for (size_t n = 0; n < marked_nodes.size() && !marked.empty(); ++n)
-    marked_nodes[n] = marked.contains(scene.nodes[n].name);
-  std::vector<Ranked> out(data.lights.size());
+    marked_nodes[n] = std::ranges::find(marked, scene.nodes[n].name) != marked.end();
   tbb::parallel_for(tbb::blocked_range<size_t>(0, out.size(), 1024), [&](const auto& range) {
     for (size_t i = range.begin(); i < range.end(); ++i) {
       const LightItem& light = data.lights[i];
       if (light.type == LightType::directional || light.inner_m > 0) continue;  // stand-ins have no maps
-      out[i] = {marked_nodes[light.node], importance_of(light, view, planes), uint32_t(i)};
+      out[i] = {marked_nodes[light.node] != 0, importance_of(light, view, planes), uint32_t(i)};
     }
   });
   std::erase_if(out, [](const Ranked& r) { return r.importance == 0; });
@@ -99,8 +103,8 @@ Room room_of(std::span<const Candidate> lamps) {
   uint64_t texels = 0;
   uint32_t largest = 1;
   for (const Candidate& c : lamps) {
-    if (!c.faces.empty()) largest = std::max(largest, c.size_px);
-    texels += c.faces.size() * c.size_px * c.size_px;
+    if (c.face_count > 0) largest = std::max(largest, c.size_px);
+    texels += uint64_t(c.face_count) * c.size_px * c.size_px;
   }
   Room room;
   room.layer_px = std::max(largest, usual_layer_px);
@@ -111,7 +115,7 @@ Room room_of(std::span<const Candidate> lamps) {
 }
 
 // Halves maps, the least important light's first, round after round, until all fit; then leaves out lights.
-void fit_budget(std::vector<Candidate>& lamps, uint64_t bytes) {
+void fit_budget(ScratchVector<Candidate>& lamps, uint64_t bytes) {
   bool shrank = true;
   while (shrank && room_of(lamps).bytes() > bytes) {
     shrank = false;
@@ -129,16 +133,19 @@ constexpr uint32_t pool_layer_px = 1024;
 std::optional<Hash128> map_key(const Lamp& lamp, int face, uint32_t size_px, const CasterHash& casters,
                                const MapOptions& options, bool open_sides) {
   if (casters.deformed) return std::nullopt;
-  std::string all = lamp_face_key(lamp, face, size_px).hex();
-  all += fmt::format(" {:x} {:x} {}", casters.low, casters.high, open_sides);
-  for (const Knob& row : TextureKnobs::table()) all += " " + row.text(row.value(&options.textures));
-  for (const Knob& row : ReliefKnobs::table()) all += " " + row.text(row.value(&options.relief));
-  return hash128(all);
+  Scratch scratch;
+  ScratchVector<double> values(&scratch);
+  for (const Knob& row : TextureKnobs::table()) values.push_back(row.value(&options.textures));
+  for (const Knob& row : ReliefKnobs::table()) values.push_back(row.value(&options.relief));
+  const Hash128 knobs = hash128(std::as_bytes(std::span(values))), place = lamp_face_key(lamp, face, size_px);
+  const std::array<uint64_t, 7> all{place.lo, place.hi, casters.low, casters.high, open_sides, knobs.lo, knobs.hi};
+  return hash128(std::as_bytes(std::span(all)));
 }
 
 // A bit for each node whose shadow moves; none where nothing does.
-std::vector<uint32_t> moving_casters(const Scene& scene, const std::vector<bool>& moving, const FrameUpload& upload) {
-  std::vector<uint32_t> bits((moving.size() + 31) / 32);
+void add_moving_casters(const Scene& scene, std::span<const uint8_t> moving, const FrameUpload& upload,
+                        std::vector<uint32_t>& bits) {
+  bits.assign((moving.size() + 31) / 32, 0);
   bool any = false;
   const auto add = [&](uint32_t node) { any = true, bits[node / 32] |= 1u << (node % 32); };
   for (uint32_t n = 0; n < moving.size(); ++n)
@@ -146,18 +153,17 @@ std::vector<uint32_t> moving_casters(const Scene& scene, const std::vector<bool>
   for (const shared::Item& item : upload.items)
     if (upload.geometries[item.geometry].flags & shared::geometry_deformed) add(item.object_id);
   if (!any) bits.clear();
-  return bits;
 }
 
 // Maps of lights that stand, in which something moves: they may be drawn as what moves over what stands. By their
 // places among the views, to which those of what moves are added.
-std::vector<uint32_t> add_over(std::span<const ViewCasters::OfView> casters, std::span<const uint8_t> lamp_moves,
-                               ViewImage& image) {
-  std::vector<uint32_t> split, sizes;
+ScratchVector<uint32_t> add_over(std::span<const ViewCasters::OfView> casters, std::span<const uint8_t> lamp_moves,
+                                 ViewImage& image, std::pmr::memory_resource* memory) {
+  ScratchVector<uint32_t> split(memory), sizes(memory);
   for (uint32_t v = 0; v < image.views.size(); ++v)
     if (!lamp_moves[v] && !casters[v].moving_counts.empty()) split.push_back(v);
   for (const uint32_t v : split) sizes.push_back(image.views[v].size_px.x);
-  const std::vector<LampTile> places = pack_lamp_tiles(sizes, image.size_px);
+  const ScratchVector<LampTile> places = pack_lamp_tiles(sizes, image.size_px, memory);
   for (size_t i = 0; i < split.size(); ++i) {
     shared::View view = image.views[split[i]];
     view.flags |= shared::view_skips_standing;
@@ -172,34 +178,38 @@ std::vector<uint32_t> add_over(std::span<const ViewCasters::OfView> casters, std
 }
 
 // As place_lamps(), of maps in any order.
-std::optional<PlacedLamps> place_views_of(const KeptLamps& kept, std::span<const LampMap> maps, bool floats,
-                                          uint32_t layer_px, uint64_t most_bytes) {
-  std::vector<uint32_t> order(maps.size());
+bool place_views_of(const KeptLamps& kept, std::span<const LampMap> maps, bool floats, uint32_t layer_px,
+                    uint64_t most_bytes, PlacedLamps& placed) {
+  Scratch scratch;
+  ScratchVector<uint32_t> order(maps.size(), &scratch);
   std::iota(order.begin(), order.end(), 0u);
-  std::ranges::stable_sort(order, std::ranges::greater(), [&](uint32_t m) { return maps[m].size_px; });
-  std::vector<LampMap> sorted;
+  std::ranges::sort(order, [&](uint32_t a, uint32_t b) {
+    return maps[a].size_px != maps[b].size_px ? maps[a].size_px > maps[b].size_px : a < b;
+  });
+  ScratchVector<LampMap> sorted(&scratch);
+  sorted.reserve(maps.size());
   for (const uint32_t m : order) sorted.push_back(maps[m]);
-  auto placed = place_lamps(kept.pool, sorted, floats, layer_px, most_bytes);
-  if (!placed) return placed;
-  std::vector<LampTile> tiles(maps.size());
-  for (size_t i = 0; i < order.size(); ++i) tiles[order[i]] = placed->tiles[i];
-  for (uint32_t& drawn : placed->drawn) drawn = order[drawn];
-  std::ranges::sort(placed->drawn);
-  placed->tiles = std::move(tiles);
-  return placed;
+  if (!place_lamps(kept.pool, sorted, floats, layer_px, most_bytes, placed)) return false;
+  const ScratchVector<LampTile> tiles(placed.tiles.begin(), placed.tiles.end(), &scratch);
+  for (size_t i = 0; i < order.size(); ++i) placed.tiles[order[i]] = tiles[i];
+  for (uint32_t& drawn : placed.drawn) drawn = order[drawn];
+  std::ranges::sort(placed.drawn);
+  return true;
 }
 
 // Of the views those that are drawn. split: as of add_over().
-FrameViews of_drawn(const FrameViews& all, const ViewImage& image, std::span<const uint32_t> split,
-                    std::span<const ViewCasters::OfView> casters, size_t runs) {
-  FrameViews out;
-  out.first_command.push_back(0);
+void keep_drawn(const ViewImage& image, std::span<const uint32_t> split, std::span<const ViewCasters::OfView> casters,
+                size_t runs, FrameViews& out) {
+  Scratch scratch;
+  const ScratchVector<uint32_t> first_command(out.first_command.begin(), out.first_command.end(), &scratch);
+  out.table.clear();
+  out.first_command.assign(1, 0);
   for (const uint32_t v : image.drawn) {
     const shared::View& view = image.views[v];
     const uint32_t of_all = v < image.first_over() ? v : split[v - image.first_over()];
     out.table.push_back(view);
     for (size_t r = 0; r < runs; ++r) {
-      const uint32_t* first = &all.first_command[of_all * runs + r];
+      const uint32_t* first = &first_command[of_all * runs + r];
       const bool parts = (view.flags & (shared::view_skips_moving | shared::view_skips_standing)) != 0;
       const uint32_t moving = parts ? casters[of_all].moving_counts[r] : 0;
       const uint32_t count = view.flags & shared::view_skips_standing ? moving : first[1] - first[0] - moving;
@@ -207,63 +217,64 @@ FrameViews of_drawn(const FrameViews& all, const ViewImage& image, std::span<con
     }
   }
   if (out.table.empty()) out.table.emplace_back();  // a buffer holds something
-  return out;
 }
 
 // The lights' nodes, neighbours as a range.
-std::string nodes_of(const FrameData& data, std::span<const uint32_t> lights) {
+void add_nodes_of(const FrameData& data, std::span<const uint32_t> lights, Notes& notes) {
   constexpr size_t most_ranges = 32;
-  std::set<uint32_t> nodes;
-  for (uint32_t last = ~0u; const uint32_t light : lights)
-    if (data.lights[light].node != last) nodes.insert(last = data.lights[light].node);
-  std::string text;
+  Scratch scratch;
+  ScratchVector<uint32_t> nodes(&scratch);
+  for (const uint32_t light : lights) nodes.push_back(data.lights[light].node);
+  std::ranges::sort(nodes);
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   size_t ranges = 0, named = 0;
   for (auto first = nodes.begin(); first != nodes.end() && ranges < most_ranges; ++ranges) {
     auto last = first;
     while (std::next(last) != nodes.end() && *std::next(last) == *last + 1) ++last, ++named;
     ++named;
-    text +=
-        (text.empty() ? "" : ", ") + (first == last ? fmt::format("{}", *first) : fmt::format("{}-{}", *first, *last));
+    notes.extend("{}{}", ranges == 0 ? "" : ", ", *first);
+    if (first != last) notes.extend("-{}", *last);
     first = std::next(last);
   }
-  if (named < nodes.size()) text += fmt::format(" and {} more", nodes.size() - named);
-  return text;
+  if (named < nodes.size()) notes.extend(" and {} more", nodes.size() - named);
 }
 
 }  // namespace
 
-Expected<FrameLamps> plan_lamps(const Scene& scene, const SurveyedFrame& frame, const PackedFrame& packed,
-                                const LampKnobs& knobs, int rows, const MapOptions& options) {
+Expected<void> plan_lamps(const Scene& scene, const SurveyedFrame& frame, const PackedFrame& packed,
+                          const LampKnobs& knobs, int rows, const MapOptions& options, FrameLamps& out) {
   const FrameData& data = frame.data;
   const View& view = frame.view;
   const SceneFacts& facts = frame.facts;
   const FrameRequest& request = frame.request;
-  FrameLamps out;
+  out.clear();
+  out.shadows.clear(), out.moving.clear(), out.pool.reset();
+  out.maps = out.most_views = 0;
   out.absence = why_none(facts, request, knobs, options.see_through);
-  if (!out.absence.empty()) return out;
+  if (!out.absence.empty()) return {};
   out.traced = knobs.traced();
   out.by_voxels = knobs.method == LampKnobs::by_voxels;
   const bool in_air = request.draws_fog() || request.draws_volumetric();
   if (out.traced &&
       (!in_air || (!options.see_through && facts.opaque_items + facts.mask_items == 0) || knobs.lights == 0)) {
-    out.absence = fmt::format("local.method is {}: shading sends rays", out.by_voxels ? "voxels" : "traced");
-    return out;
+    fmt::format_to(std::back_inserter(out.absence), "local.method is {}: shading sends rays",
+                   out.by_voxels ? "voxels" : "traced");
+    return {};
   }
   const FrustumPlanes planes = frustum_planes(view.clip_from_relative);
   const uint32_t most_px =
       std::min(std::bit_floor(uint32_t(knobs.size_px)), most_map_px(options.longer_side_px, request.quality) / 2);
-  const std::set<std::string> marked(request.look.shadows.lights.begin(), request.look.shadows.lights.end());
+  const std::span<const std::string> marked = request.look.shadows.lights;
   for (const std::string& name : marked)
     if (std::ranges::none_of(data.lights, [&](const LightItem& l) {
           return l.type != LightType::directional && !(l.inner_m > 0) && scene.nodes[l.node].name == name;
         }))
-      out.notes.push_back(
-          fmt::format("the look marks '{}' for shadows, and no point or spot light that shines is at a "
-                      "node of that name",
-                      name));
-  std::vector<Ranked> ranked = ranked_lights(scene, data, view, planes, marked);
-  std::vector<Candidate> lamps;
-  std::vector<uint32_t> without;
+      out.notes.add(
+          "the look marks '{}' for shadows, and no point or spot light that shines is at a node of that name", name);
+  Scratch scratch;
+  ScratchVector<Ranked> ranked = ranked_lights(scene, data, view, planes, marked, &scratch);
+  ScratchVector<Candidate> lamps(&scratch);
+  ScratchVector<uint32_t> without(&scratch);
   // A heap gives the first ones without sorting all.
   const auto comes_last = [](const Ranked& a, const Ranked& b) { return comes_first(b, a); };
   std::ranges::make_heap(ranked, comes_last);
@@ -278,8 +289,8 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const SurveyedFrame& frame, 
     c.size_px = c.wished_px = lamp_size_px(c.lamp, view, rows, most_px);
     for (int face = 0; face < c.lamp.faces(); ++face)
       // As wide as the smallest map's face: sizes are not final yet.
-      if (lamp_face_is_seen(c.lamp, face, least_lamp_px, planes)) c.faces.push_back(face);
-    if (!c.faces.empty()) lamps.push_back(std::move(c));
+      if (lamp_face_is_seen(c.lamp, face, least_lamp_px, planes)) c.face[c.face_count++] = face;
+    if (c.face_count > 0) lamps.push_back(c);
   }
   for (const Ranked& r : ranked) without.push_back(r.light);
   std::ranges::sort(without);  // nodes one after the other
@@ -287,46 +298,54 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const SurveyedFrame& frame, 
     out.absence = without.empty() ? "no point or spot light reaches what the camera sees"
                                   : "the look marks no point or spot light that reaches what the camera sees "
                                     "(local.lights = marked)";
-    return out;
+    return {};
   }
-  const std::vector<Candidate> chosen = lamps;
+  const ScratchVector<Candidate> chosen(lamps, &scratch);
   fit_budget(lamps, uint64_t(knobs.budget_mb) << 20);
   for (size_t i = lamps.size(); i < chosen.size(); ++i) without.push_back(uint32_t(chosen[i].light));
-  const std::string lights_text = knobs.lights == LampKnobs::marked_alone ? "marked" : fmt::format("{}", knobs.lights);
-  if (!without.empty())
-    out.notes.push_back(fmt::format(
+  if (!without.empty()) {
+    out.notes.add(
         "{} of {} point and spot lights that may light the picture cast no shadows, those that add least "
-        "(local.lights "
-        "= {}, local.budget_mb = {}); they are of the nodes {}",
-        without.size(), without.size() + lamps.size(), lights_text, knobs.budget_mb, nodes_of(data, without)));
+        "(local.lights = ",
+        without.size(), without.size() + lamps.size());
+    if (knobs.lights == LampKnobs::marked_alone)
+      out.notes.extend("marked");
+    else
+      out.notes.extend("{}", knobs.lights);
+    out.notes.extend(", local.budget_mb = {}); they are of the nodes ", knobs.budget_mb);
+    add_nodes_of(data, without, out.notes);
+  }
   if (const auto smaller = std::ranges::count_if(lamps, [](const auto& c) { return c.size_px < c.wished_px; }))
-    out.notes.push_back(
-        fmt::format("the shadow maps of {} point and spot lights are smaller than they should be "
-                    "(local.budget_mb = {})",
-                    smaller, knobs.budget_mb));
+    out.notes.add("the shadow maps of {} point and spot lights are smaller than they should be (local.budget_mb = {})",
+                  smaller, knobs.budget_mb);
   if (lamps.empty()) {
     out.absence = "no shadow map of a point or spot light fits into local.budget_mb";
-    return out;
+    return {};
   }
 
   struct Face {
     size_t lamp;
     int face;
   };
-  std::vector<Face> faces;
+  ScratchVector<Face> faces(&scratch);
   for (size_t i = 0; i < lamps.size(); ++i)
-    for (const int face : lamps[i].faces) faces.push_back({i, face});
-  std::ranges::stable_sort(faces, std::ranges::greater(), [&](const Face& f) { return lamps[f.lamp].size_px; });
-  std::vector<uint32_t> sizes;
+    for (const int face : lamps[i].faces()) faces.push_back({i, face});
+  std::ranges::sort(faces, [&](const Face& a, const Face& b) {
+    const uint32_t size_a = lamps[a.lamp].size_px, size_b = lamps[b.lamp].size_px;
+    if (size_a != size_b) return size_a > size_b;
+    return a.lamp != b.lamp ? a.lamp < b.lamp : a.face < b.face;
+  });
+  ScratchVector<uint32_t> sizes(&scratch);
   for (const Face& f : faces) sizes.push_back(lamps[f.lamp].size_px);
   const Room room = room_of(lamps);
-  const std::vector<LampTile> tiles = pack_lamp_tiles(sizes, room.layer_px);
+  const ScratchVector<LampTile> tiles = pack_lamp_tiles(sizes, room.layer_px, &scratch);
   for (const Candidate& c : lamps) {
     out.shadows.push_back(lamp_shadow(c.lamp, c.size_px, room.layer_px));
     out.shadows.back().pixel_places = uint32_t(knobs.pixel_places);
     out.lights.push_back(uint32_t(c.light));
   }
-  ViewImage image;
+  ViewImage& image = out.image.emplace();
+  image.clear();
   image.name = "local.maps";
   for (size_t f = 0; f < faces.size(); ++f) {
     const auto [lamp, face] = faces[f];
@@ -337,29 +356,26 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const SurveyedFrame& frame, 
   image.most_px = most_px;
   image.apart = !options.see_through;
   const bool keeps = image.apart && options.kept_lamps;
-  std::vector<bool> moves(scene.nodes.size());
-  if (image.apart && options.animations) {
-    moves = moving_nodes(scene, *options.animations);
-    out.moving = moving_casters(scene, moves, packed.upload);
-  }
-  CasterHashes hashes;
-  if (keeps) hashes = caster_hashes(data, packed.draws, packed.upload, frame.pose);
-  ViewCasters casters{keeps ? &hashes : nullptr, out.moving, {}};
-  const bool image_is_apart = image.apart;
-  if (auto placed = place_maps(out, std::move(image), data, packed.draws, packed.upload.items, options, knobs.draws,
-                               "local.draws", image_is_apart ? &casters : nullptr);
+  const bool tells_moving = image.apart && !options.moving.empty();
+  if (tells_moving) add_moving_casters(scene, options.moving, packed.upload, out.moving);
+  CasterHashes hashes(&scratch);
+  hashes.items.reserve(packed.upload.items.size());
+  if (keeps) caster_hashes(data, packed.draws, packed.upload, frame.pose, hashes);
+  ViewCasters casters(keeps ? &hashes : nullptr, out.moving, &scratch);
+  if (auto placed = place_maps(out, data, packed.draws, packed.upload.items, options, knobs.draws, "local.draws",
+                               image.apart ? &casters : nullptr);
       !placed)
-    return std::unexpected(placed.error());
+    return placed;
   out.maps = out.most_views = uint32_t(faces.size());
-  if (!out.image->apart) return out;
-  auto apart = std::make_shared<ViewImage>(*out.image);
-  apart->commands = out.views.first_command.back();
-  std::vector<uint8_t> lamp_moves;
-  for (const Face& f : faces) lamp_moves.push_back(moves[data.lights[lamps[f.lamp].light].node]);
-  const std::vector<uint32_t> split = add_over(casters.of_view, lamp_moves, *apart);
-  out.most_views = uint32_t(apart->views.size());
-  apart->drawn.resize(faces.size());
-  std::iota(apart->drawn.begin(), apart->drawn.end(), 0u);
+  if (!image.apart) return {};
+  image.commands = out.views.first_command.back();
+  ScratchVector<uint8_t> lamp_moves(&scratch);
+  for (const Face& f : faces)
+    lamp_moves.push_back(tells_moving && options.moving[data.lights[lamps[f.lamp].light].node]);
+  const ScratchVector<uint32_t> split = add_over(casters.of_view, lamp_moves, image, &scratch);
+  out.most_views = uint32_t(image.views.size());
+  image.drawn.resize(faces.size());
+  std::iota(image.drawn.begin(), image.drawn.end(), 0u);
   if (keeps) {
     const auto key_of = [&](uint32_t view, const CasterHash& seen) {
       const Face& f = faces[view];
@@ -369,7 +385,7 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const SurveyedFrame& frame, 
         std::min(options.kept_lamps->most_bytes, kept_budgets * (uint64_t(knobs.budget_mb) << 20));
     // in_parts: what moves over what stands; else all of them as one map each.
     const auto keep = [&](bool in_parts) {
-      std::vector<LampMap> maps;
+      ScratchVector<LampMap> maps(&scratch);
       for (uint32_t f = 0; f < faces.size(); ++f) {
         CasterHash seen = casters.of_view[f].standing;
         if (!in_parts || lamp_moves[f]) seen.add(casters.of_view[f].moving);
@@ -381,32 +397,31 @@ Expected<FrameLamps> plan_lamps(const Scene& scene, const SurveyedFrame& frame, 
         maps[f].passing = false;
         maps.push_back({sizes[f], key_of(f, seen), true});
       }
-      return place_views_of(*options.kept_lamps, maps, options.floats, std::max(most_px, pool_layer_px), most_bytes);
+      return place_views_of(*options.kept_lamps, maps, options.floats, std::max(most_px, pool_layer_px), most_bytes,
+                            out.placed);
     };
-    auto placed = keep(true);
-    const bool in_parts = placed.has_value();
-    if (!placed && !split.empty()) placed = keep(false);
-    if (placed) {
-      for (shared::LampShadow& shadow : out.shadows) shadow.uv_per_texel = float(1.0 / placed->pool.layer_px);
+    const bool in_parts = keep(true);
+    if (in_parts || (!split.empty() && keep(false))) {
+      const PlacedLamps& placed = out.placed;
+      for (shared::LampShadow& shadow : out.shadows) shadow.uv_per_texel = float(1.0 / placed.pool.layer_px);
       const auto move = [&](size_t view, size_t face) {
-        move_lamp_face(faces[face].face, sizes[face], placed->tiles[view], apart->views[view],
+        move_lamp_face(faces[face].face, sizes[face], placed.tiles[view], image.views[view],
                        out.shadows[faces[face].lamp]);
       };
       for (size_t f = 0; f < faces.size(); ++f) move(f, f);
       for (size_t i = 0; in_parts && i < split.size(); ++i) {
-        shared::View &stands = apart->views[split[i]], &over = apart->views[faces.size() + i];
+        shared::View &stands = image.views[split[i]], &over = image.views[faces.size() + i];
         stands.flags |= shared::view_skips_moving;
         over.under_px = stands.tile_px, over.under_layer = stands.tile_layer;
         move(faces.size() + i, split[i]);
       }
-      apart->drawn = std::move(placed->drawn);
-      apart->outlives = true;
-      out.pool = std::move(placed->pool);
+      image.drawn = placed.drawn;
+      image.outlives = true;
+      out.pool.emplace() = placed.pool;
     }
   }
-  out.views = of_drawn(out.views, *apart, split, casters.of_view, packed.draws.batches.size());
-  out.image = std::move(apart);
-  return out;
+  keep_drawn(image, split, casters.of_view, packed.draws.batches.size(), out.views);
+  return {};
 }
 
 }  // namespace candela

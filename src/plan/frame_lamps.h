@@ -16,13 +16,15 @@ struct FrameLamps : ShadowMaps {
   uint32_t maps = 0;
   uint32_t most_views = 0;       // that its buffers hold: of the image's views, those that are drawn are fewer
   std::vector<uint32_t> moving;  // a bit for each node that moves; empty: nothing that casts shadows does
-  std::optional<LampPool> pool;  // the image outlives the frame, and holds these maps then
+  Reused<LampPool> pool;         // the image outlives the frame, and holds these maps then
+  PlacedLamps placed;            // for placing them alone
 };
 
 // Chooses the lights that get maps (those that the look marks first) and the maps' sizes, and places these in one
 // layered image. rows: of the picture's samples, height times the side of supersampling, which maps follow in size.
 // Errors: more draw commands than the knob local.draws has room for.
-Expected<FrameLamps> plan_lamps(const Scene& scene, const SurveyedFrame& frame, const PackedFrame& packed,
-                                const LampKnobs& knobs, int rows, const MapOptions& options);
+// out: whatever it held, its memory is used again.
+Expected<void> plan_lamps(const Scene& scene, const SurveyedFrame& frame, const PackedFrame& packed,
+                          const LampKnobs& knobs, int rows, const MapOptions& options, FrameLamps& out);
 
 }  // namespace candela

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "base/scratch.h"
 #include "passes/geometry/depth_views.h"
 #include "plan/sun_cascades.h"
 
 namespace candela {
 namespace {
 
-std::string why_none(const SceneFacts& facts, const FrameRequest& request, const SunKnobs& knobs, bool see_through) {
+std::string_view why_none(const SceneFacts& facts, const FrameRequest& request, const SunKnobs& knobs, bool see_through) {
   if (facts.directional_lights == 0) return "no directional light shines";
   if (!facts.takes_light()) return "nothing that is drawn takes light";
   const bool traced = sends_rays(SunMode(knobs.mode));
@@ -66,33 +67,35 @@ double brightness_lux(const LightItem& light) {
 
 }  // namespace
 
-Expected<FrameSuns> plan_suns(const Scene& scene, const SurveyedFrame& frame, const PackedFrame& packed,
-                              const SunKnobs& knobs, const MapOptions& options) {
+Expected<void> plan_suns(const Scene& scene, const SurveyedFrame& frame, const PackedFrame& packed,
+                         const SunKnobs& knobs, const MapOptions& options, FrameSuns& out) {
   const FrameData& data = frame.data;
   const SceneFacts& facts = frame.facts;
   const FrameRequest& request = frame.request;
-  FrameSuns out;
+  out.clear(), out.shadows.clear();
   out.absence = why_none(facts, request, knobs, options.see_through);
-  if (!out.absence.empty()) return out;
+  if (!out.absence.empty()) return {};
   out.traced = sends_rays(SunMode(knobs.mode));
   out.by_voxels = SunMode(knobs.mode) == SunMode::voxels;
   if (out.traced && (!request.draws_fog() || (!options.see_through && facts.opaque_items + facts.mask_items == 0) ||
                      knobs.lights == 0)) {
-    out.absence = fmt::format("sun.mode is {}: shading sends rays", out.by_voxels ? "voxels" : "traced");
-    return out;
+    fmt::format_to(std::back_inserter(out.absence), "sun.mode is {}: shading sends rays",
+                   out.by_voxels ? "voxels" : "traced");
+    return {};
   }
-  std::vector<size_t> suns;
+  Scratch scratch;
+  ScratchVector<size_t> suns(&scratch);
   for (size_t i = 0; i < data.lights.size(); ++i)
     if (data.lights[i].type == LightType::directional) suns.push_back(i);
-  std::stable_sort(suns.begin(), suns.end(),
-                   [&](size_t a, size_t b) { return brightness_lux(data.lights[a]) > brightness_lux(data.lights[b]); });
+  std::ranges::sort(suns, [&](size_t a, size_t b) {
+    const double lux_a = brightness_lux(data.lights[a]), lux_b = brightness_lux(data.lights[b]);
+    return lux_a != lux_b ? lux_a > lux_b : a < b;
+  });
   if (suns.size() > size_t(knobs.lights)) {
-    std::string nodes;
+    out.notes.add("{} of {} directional lights cast no shadows, the dimmest (sun.lights = {}): those of the nodes ",
+                  suns.size() - size_t(knobs.lights), suns.size(), knobs.lights);
     for (size_t i = size_t(knobs.lights); i < suns.size(); ++i)
-      nodes += fmt::format("{}{}", nodes.empty() ? "" : ", ", data.lights[suns[i]].node);
-    out.notes.push_back(
-        fmt::format("{} of {} directional lights cast no shadows, the dimmest (sun.lights = {}): those of the nodes {}",
-                    suns.size() - size_t(knobs.lights), suns.size(), knobs.lights, nodes));
+      out.notes.extend("{}{}", i == size_t(knobs.lights) ? "" : ", ", data.lights[suns[i]].node);
     suns.resize(size_t(knobs.lights));
   }
   SunFit fit = drawn_fit(scene, data, frame.view);
@@ -100,15 +103,16 @@ Expected<FrameSuns> plan_suns(const Scene& scene, const SurveyedFrame& frame, co
   fit.scene_size_m = options.scene_size_m;
   const bool single = SunMode(knobs.mode) == SunMode::single;
   if (const int wished = single ? knobs.single_px : knobs.size_px; uint32_t(wished) > fit.most_px)
-    out.notes.push_back(
-        fmt::format("the shadow maps of directional lights have {} texels a side and not {} (sun.{}): "
-                    "in a picture this small more are not seen",
-                    fit.most_px, wished, single ? "single_px" : "size_px"));
-  ViewImage image;
+    out.notes.add(
+        "the shadow maps of directional lights have {} texels a side and not {} (sun.{}): "
+        "in a picture this small more are not seen",
+        fit.most_px, wished, single ? "single_px" : "size_px");
+  ViewImage& image = out.image.emplace();
+  image.clear();
   image.name = "sun.maps";
   for (const size_t light : suns) {
     const glm::dvec3 direction = glm::normalize(glm::dvec3(data.lights[light].direction));
-    SunCascades cascades = fit_sun_cascades(direction, frame.view, fit, knobs, uint32_t(image.views.size()));
+    SunCascades cascades = fit_sun_cascades(direction, frame.view, fit, knobs, uint32_t(image.views.size()), &scratch);
     if (!data.lights[light].is_hard) cascades.shadow.tangent = float(std::tan(data.lights[light].radius_rad));
     out.shadows.push_back(cascades.shadow);
     out.lights.push_back(uint32_t(light));
@@ -116,11 +120,7 @@ Expected<FrameSuns> plan_suns(const Scene& scene, const SurveyedFrame& frame, co
   }
   image.layers = uint32_t(image.views.size());
   image.size_px = image.views.front().size_px.x;
-  if (auto placed =
-          place_maps(out, std::move(image), data, packed.draws, packed.upload.items, options, knobs.draws, "sun.draws");
-      !placed)
-    return std::unexpected(placed.error());
-  return out;
+  return place_maps(out, data, packed.draws, packed.upload.items, options, knobs.draws, "sun.draws");
 }
 
 }  // namespace candela

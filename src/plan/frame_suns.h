@@ -26,7 +26,8 @@ inline uint32_t most_map_px(int longer_side_px, std::string_view quality) {
 
 // Chooses the lights that get maps and fits their cascades. Errors: more draw commands than the knob sun.draws has room
 // for.
-Expected<FrameSuns> plan_suns(const Scene& scene, const SurveyedFrame& frame, const PackedFrame& packed,
-                              const SunKnobs& knobs, const MapOptions& options);
+// out: whatever it held, its memory is used again.
+Expected<void> plan_suns(const Scene& scene, const SurveyedFrame& frame, const PackedFrame& packed,
+                         const SunKnobs& knobs, const MapOptions& options, FrameSuns& out);
 
 }  // namespace candela

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "base/check.h"
+#include "base/scratch.h"
 #include "plan/pack_metaballs.h"
 #include "plan/packed_values.h"
 #include "scene/blinn_phong.h"
@@ -88,8 +89,7 @@ shared::Light shared_light(const LightItem& given) {
 }
 
 // Of all lights, where a pass poses some.
-std::vector<shared::LightGroup> light_groups(const FrameData& data) {
-  std::vector<shared::LightGroup> groups;
+void add_light_groups(const FrameData& data, std::vector<shared::LightGroup>& groups) {
   uint32_t first = 0, posed = 0;
   const auto add_posed = [&](uint32_t end) {
     if (end == posed) return;
@@ -111,7 +111,6 @@ std::vector<shared::LightGroup> light_groups(const FrameData& data) {
     first += out.count;
   }
   if (!groups.empty()) add_posed(uint32_t(data.lights.size()));
-  return groups;
 }
 
 void add_items(const FrameData& data, const DrawList& draws, const GeometryLayout& layout, uint32_t default_material,
@@ -293,24 +292,25 @@ uint32_t lobes_of(const Material& m) {
 }
 
 // Nothing where no visible material shows a lobe that the frame shades.
-std::vector<uint32_t> lobe_table(const Scene& scene, const std::vector<Material>& materials, const FrameData& data,
-                                 const DrawList& draws) {
+void add_lobes(const Scene& scene, const std::vector<Material>& materials, const FrameData& data,
+               const DrawList& draws, std::vector<uint32_t>& words) {
   const bool refraction = std::ranges::any_of(draws.batches, &DrawBatch::refracts);
   const uint32_t shaded = shared::shaded_lobes | (refraction ? 1u << uint32_t(Lobe::transmission) : 0u);
-  std::vector<bool> shows(materials.size());
+  Scratch scratch;
+  ScratchVector<uint8_t> shows(materials.size(), uint8_t(0), &scratch);
   bool any = false;
   bool scatters = false;
   const auto look_at = [&](int material) {
     if (material < 0) return;
     const uint32_t lobes = lobes_of(materials[size_t(material)]);
     scatters |= (lobes & 1u << uint32_t(Lobe::scattering)) != 0;
-    if ((lobes & shaded) != 0) shows[size_t(material)] = any = true;
+    if ((lobes & shaded) != 0) shows[size_t(material)] = 1, any = true;
   };
   for (const DrawItem& item : data.items) look_at(item.material);
   for (const ItemGroup& group : data.item_groups)
     for (const uint32_t section : group.set->sections) look_at(scene.meshes[group.mesh].sections[section].material);
-  if (!any) return {};
-  std::vector<uint32_t> words(materials.size(), shared::absent);
+  if (!any) return;
+  words.assign(materials.size(), shared::absent);
   for (size_t i = 0; i < materials.size(); ++i) {
     if (!shows[i]) continue;
     words[i] = uint32_t(words.size());
@@ -322,15 +322,26 @@ std::vector<uint32_t> lobe_table(const Scene& scene, const std::vector<Material>
     const uint32_t* first = reinterpret_cast<const uint32_t*>(&body);
     words.insert(words.end(), first, first + sizeof body / 4);
   }
-  return words;
 }
 
 }  // namespace
 
-FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& view, const FrameData& data,
-                              const DrawList& draws, const GeometryLayout& layout, const FrameRequest& request,
-                              const AmbientSh& ambient) {
-  FrameUpload upload;
+void FrameUpload::clear() {
+  constants = {};
+  item_count = transform_count = batch_count = deformed_words = 0;
+  const auto empty = [](auto&... tables) { (tables.clear(), ...); };
+  empty(transforms, places, geometries, items, item_groups, item_spans, item_sections, materials, lobes, lights,
+        light_groups, groups, batches, batch_spans, triangle_numbers, drawn_items, deform_jobs, object_mattes,
+        material_mattes, motion, joints_before, weights_before, metaball_bodies, metaballs, metaball_blocks,
+        metaball_lists, metaballs_before);
+  // A table that is not named above would keep the last frame's.
+  static_assert(sizeof(FrameUpload) == sizeof(shared::FrameConstants) + 27 * sizeof(std::vector<int>) + 3 * 8);
+}
+
+void make_frame_upload(const Scene& scene, const Pose& pose, const View& view, const FrameData& data,
+                       const DrawList& draws, const GeometryLayout& layout, const FrameRequest& request,
+                       const AmbientSh& ambient, FrameUpload& upload) {
+  upload.clear();
   set_view(view, request, upload.constants);
   for (size_t i = 0; i < 9; ++i) upload.constants.ambient_sh[i] = glm::vec4(ambient[i], 0);
   for (const glm::mat4& m : data.relative_from_local) upload.transforms.push_back(shared_transform(m));
@@ -354,14 +365,13 @@ FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& 
     upload.materials[m].relief = uint32_t(upload.materials.size());
     upload.materials.emplace_back();  // a ReliefRecord, filled in by GpuScene
   }
-  upload.lobes = lobe_table(scene, pose.materials, data, draws);
+  add_lobes(scene, pose.materials, data, draws, upload.lobes);
   for (const LightItem& l : data.lights) upload.lights.push_back(shared_light(l));
   if (request.has_layer("crypto_object")) upload.object_mattes = matte_ids(node_names(scene));
   if (request.has_layer("crypto_material")) upload.material_mattes = matte_ids(material_names(scene));
-  upload.light_groups = light_groups(data);
+  add_light_groups(data, upload.light_groups);
   upload.constants.light_count = uint32_t(data.light_count());
   upload.constants.item_count = upload.item_count;
-  return upload;
 }
 
 namespace {
@@ -445,11 +455,10 @@ void add_motion(const FrameData& now, const View& view, const FrameData& before,
   const bool reforms = !same_metaballs(now.metaballs, before.metaballs);
   const bool deforms = reforms || !same_bits(before.joint_matrices, now.joint_matrices) ||
                        !same_bits(before.morph_weights, now.morph_weights);
-  const std::vector<glm::mat4> clip = {glm::mat4(view.clip_from_relative)},
-                               clip_before = {glm::mat4(view_before.clip_from_relative)};
-  if (!deforms && same_bits(clip, clip_before) && same_bits(now.relative_from_local, before.relative_from_local))
+  const glm::mat4 clip(view.clip_from_relative), clip_before(view_before.clip_from_relative);
+  if (!deforms && std::memcmp(&clip, &clip_before, sizeof clip) == 0 && same_bits(now.relative_from_local, before.relative_from_local))
     return;
-  for (int column = 0; column < 4; ++column) upload.motion.push_back(clip_before[0][column]);
+  for (int column = 0; column < 4; ++column) upload.motion.push_back(clip_before[column]);
   for (const glm::mat4& m : before.relative_from_local) {
     const shared::Transform t = shared_transform(m);
     upload.motion.insert(upload.motion.end(), {t.row0, t.row1, t.row2});

@@ -58,10 +58,19 @@ struct FrameUpload {
   std::vector<shared::MetaballBlock> metaball_blocks;
   std::vector<uint32_t> metaball_lists;
   std::vector<shared::LatticeBallBefore> metaballs_before;
+  void clear();  // as new, but for the tables' memory
 };
-FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& view, const FrameData& data,
-                              const DrawList& draws, const GeometryLayout& layout, const FrameRequest& request,
-                              const AmbientSh& ambient);
+// upload: whatever it held, its memory is used again.
+void make_frame_upload(const Scene& scene, const Pose& pose, const View& view, const FrameData& data,
+                       const DrawList& draws, const GeometryLayout& layout, const FrameRequest& request,
+                       const AmbientSh& ambient, FrameUpload& upload);
+inline FrameUpload make_frame_upload(const Scene& scene, const Pose& pose, const View& view, const FrameData& data,
+                                     const DrawList& draws, const GeometryLayout& layout, const FrameRequest& request,
+                                     const AmbientSh& ambient) {
+  FrameUpload upload;
+  make_frame_upload(scene, pose, view, data, draws, layout, request, ambient, upload);
+  return upload;
+}
 // The instances as a pass poses them, in the order of the layout.
 std::vector<shared::LightInstance> pack_light_instances(const Scene& scene, const LightLayout& layout);
 // The instances as a pass poses them, in the order of the layout.

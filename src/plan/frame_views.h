@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/reused.h"
 #include "passes/shared/views.h"
 #include "plan/caster_hash.h"
 #include "plan/lamp_pool.h"
@@ -27,7 +28,8 @@ struct ItemCluster {
   uint32_t run = 0, count = 0, node = 0;
   glm::dvec3 bounds_centre{0}, bounds_extent{0};
 };
-std::vector<ItemCluster> item_clusters(const FrameData& data, const DrawList& draws);
+std::pmr::vector<ItemCluster> item_clusters(const FrameData& data, const DrawList& draws,
+                                            std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
 // What each view may draw of what stands and of what moves, for keys of its texels.
 struct ViewCasters {
@@ -35,9 +37,13 @@ struct ViewCasters {
   std::span<const uint32_t> moving;      // a bit for each node (FrameLamps::moving); empty: nothing moves
   struct OfView {
     CasterHash standing, moving;
-    std::vector<uint32_t> moving_counts;  // how many of those that move, by run; empty: none
+    std::span<uint32_t> moving_counts;  // how many of those that move, by run; empty: none
   };
-  std::vector<OfView> of_view;
+  std::pmr::vector<OfView> of_view;
+  std::pmr::vector<uint32_t> counts;  // all views' moving_counts
+  explicit ViewCasters(const CasterHashes* of = nullptr, std::span<const uint32_t> nodes = {},
+                       std::pmr::memory_resource* memory = std::pmr::get_default_resource())
+      : hashes(of), moving(nodes), of_view(memory), counts(memory) {}
   bool moves(uint32_t node) const { return !moving.empty() && (moving[node / 32] >> (node % 32) & 1u) != 0; }
 };
 
@@ -48,10 +54,10 @@ struct ViewCasters {
 // what a 32-bit place can hold, and the knob that the budget is from. culling: 0 in the pass means that every item of a
 // run that is drawn at all needs room. items: the host's, in the order of drawing; of clusters all items need room
 // where any may.
-Expected<FrameViews> place_views(std::vector<shared::View> views, std::span<const shared::Item> items,
-                                 std::span<const DrawBatch> runs, bool culling, uint64_t budget,
-                                 std::string_view knob = "sun.draws", bool see_through = false,
-                                 std::span<const ItemCluster> clusters = {}, ViewCasters* casters = nullptr);
+// placed: has the views already.
+Expected<void> place_views(FrameViews& placed, std::span<const shared::Item> items, std::span<const DrawBatch> runs,
+                           bool culling, uint64_t budget, std::string_view knob = "sun.draws", bool see_through = false,
+                           std::span<const ItemCluster> clusters = {}, ViewCasters* casters = nullptr);
 
 bool casts_shadows(const DrawBatch& run);
 
@@ -62,8 +68,12 @@ struct ShadowMaps {
   std::string absence;           // why there are none; empty: there are
   std::vector<uint32_t> lights;  // whose shadows they are, by their places in the frame's data
   FrameViews views;
-  std::shared_ptr<const ViewImage> image;  // null: none
-  std::vector<std::string> notes;
+  Reused<ViewImage> image;
+  Notes notes;
+  void clear() {
+    traced = by_voxels = false;
+    absence.clear(), lights.clear(), views.table.clear(), views.first_command.clear(), image.reset(), notes.clear();
+  }
 };
 // What both kinds of maps depend on beside their own knobs.
 struct MapOptions {
@@ -73,12 +83,13 @@ struct MapOptions {
   bool see_through = false;                     // see-through surfaces are drawn into the views
   bool floats = false;                          // maps are of plain floats, not of depths: those that compute draws
   const KeptLamps* kept_lamps = nullptr;        // null: maps of point and spot lights do not outlive the frame
-  const AnimationChoice* animations = nullptr;  // that play; null: none
+  // Of each node whether it moves (scene/moving_nodes.h); empty: none does.
+  std::span<const uint8_t> moving = {};
   TextureKnobs textures = {};                   // that masks are read with
   ReliefKnobs relief = {};                      // of a scene that has them
 };
-// Gives the views of the maps room for their draw commands, and the maps their image. Errors: as place_views().
-Expected<void> place_maps(ShadowMaps& maps, ViewImage image, const FrameData& data, const DrawList& draws,
+// Gives the views of the maps' image room for their draw commands. Errors: as place_views().
+Expected<void> place_maps(ShadowMaps& maps, const FrameData& data, const DrawList& draws,
                           std::span<const shared::Item> items, const MapOptions& options, int draws_knob,
                           std::string_view knob_name, ViewCasters* casters = nullptr);
 

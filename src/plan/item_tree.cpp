@@ -55,10 +55,12 @@ bool may_keep(const shared::View& view, const shared::Item& item) {
   return may_keep(view, glm::dvec3(item.bounds_centre), glm::dvec3(item.bounds_extent));
 }
 
-ItemTree::ItemTree(std::span<const shared::Item> items, std::span<const int> class_of)
-    : items_(items), class_of_(class_of) {
+ItemTree::ItemTree(std::span<const shared::Item> items, std::span<const int> class_of,
+                   std::pmr::memory_resource* memory)
+    : items_(items), class_of_(class_of), order_(memory), unbounded_(memory), levels_(memory) {
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
-  std::vector<std::pair<uint64_t, uint32_t>> curve;
+  std::pmr::vector<std::pair<uint64_t, uint32_t>> curve(memory);
+  curve.reserve(items.size());
   for (uint32_t i = 0; i < items.size(); ++i) {
     if (class_of[i] < 0) continue;
     if (!is_finite(items[i])) {
@@ -75,6 +77,7 @@ ItemTree::ItemTree(std::span<const shared::Item> items, std::span<const int> cla
     for (int c = 0; c < 3; ++c) code |= spread(uint64_t(std::clamp(cell[c], 0.0, double((1 << 21) - 1)))) << c;
   }
   std::ranges::sort(curve);
+  order_.reserve(curve.size());
   for (const auto& [code, i] : curve) order_.push_back(i);
 
   // Boxes of the nodes of a level from those of the one below it; of leaves from the items.
@@ -88,7 +91,7 @@ ItemTree::ItemTree(std::span<const shared::Item> items, std::span<const int> cla
     // Rounded outwards.
     node.extent = (0.5 * (to - from)) * (1 + 1e-12) + 1e-12 * glm::abs(node.centre);
   };
-  std::vector<Node> leaves((order_.size() + fan_out - 1) / fan_out);
+  std::pmr::vector<Node> leaves((order_.size() + fan_out - 1) / fan_out, memory);
   for (size_t n = 0; n < leaves.size(); ++n) {
     leaves[n].first = uint32_t(n * fan_out), leaves[n].end = uint32_t(std::min((n + 1) * fan_out, order_.size()));
     enclose(leaves[n], leaves[n].first, leaves[n].end, [&](size_t i) {
@@ -98,8 +101,8 @@ ItemTree::ItemTree(std::span<const shared::Item> items, std::span<const int> cla
   }
   levels_.push_back(std::move(leaves));
   while (levels_.back().size() > 1) {
-    const std::vector<Node>& below = levels_.back();
-    std::vector<Node> nodes((below.size() + fan_out - 1) / fan_out);
+    const std::pmr::vector<Node>& below = levels_.back();
+    std::pmr::vector<Node> nodes((below.size() + fan_out - 1) / fan_out, memory);
     for (size_t n = 0; n < nodes.size(); ++n) {
       const size_t first = n * fan_out, end = std::min(first + fan_out, below.size());
       nodes[n].first = below[first].first, nodes[n].end = below[end - 1].end;

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <glm/glm.hpp>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -20,7 +21,9 @@ class ItemTree {
  public:
   // class_of: of each item; items of a negative class are left out. Items whose bounds are not finite are tested one by
   // one.
-  ItemTree(std::span<const shared::Item> items, std::span<const int> class_of);
+  // memory: for the tree; lives as long.
+  ItemTree(std::span<const shared::Item> items, std::span<const int> class_of,
+           std::pmr::memory_resource* memory = std::pmr::get_default_resource());
   // Calls for each such item, in an order of the tree's.
   template <class Found>
   void each(const shared::View& view, Found&& found) const {
@@ -59,9 +62,9 @@ class ItemTree {
 
   std::span<const shared::Item> items_;
   std::span<const int> class_of_;
-  std::vector<uint32_t> order_;            // items along the curve
-  std::vector<uint32_t> unbounded_;        // items
-  std::vector<std::vector<Node>> levels_;  // from the leaves to the root
+  std::pmr::vector<uint32_t> order_;                 // items along the curve
+  std::pmr::vector<uint32_t> unbounded_;             // items
+  std::pmr::vector<std::pmr::vector<Node>> levels_;  // from the leaves to the root
 };
 
 }  // namespace candela

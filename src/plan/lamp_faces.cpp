@@ -85,8 +85,10 @@ uint32_t every_second_bit(uint64_t v) {
   return out;
 }
 
-std::vector<LampTile> pack_lamp_tiles(std::span<const uint32_t> sizes_px, uint32_t layer_px) {
-  std::vector<LampTile> tiles;
+std::pmr::vector<LampTile> pack_lamp_tiles(std::span<const uint32_t> sizes_px, uint32_t layer_px,
+                                           std::pmr::memory_resource* memory) {
+  std::pmr::vector<LampTile> tiles(memory);
+  tiles.reserve(sizes_px.size());
   const uint64_t layer_texels = uint64_t(layer_px) * layer_px;
   uint64_t at = 0;
   for (const uint32_t size : sizes_px) {

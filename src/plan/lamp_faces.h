@@ -1,5 +1,6 @@
 #pragma once
 #include <glm/glm.hpp>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -50,7 +51,8 @@ struct LampTile {
   uint32_t layer = 0;
 };
 uint32_t every_second_bit(uint64_t v);  // from the least one on: a place along such a curve gives x, half of it y
-std::vector<LampTile> pack_lamp_tiles(std::span<const uint32_t> sizes_px, uint32_t layer_px);
+std::pmr::vector<LampTile> pack_lamp_tiles(std::span<const uint32_t> sizes_px, uint32_t layer_px,
+                                           std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
 // What surfaces read of a light, as yet without maps, and the view that draws one into its tile, which it makes known.
 shared::LampShadow lamp_shadow(const Lamp& lamp, uint32_t size_px, uint32_t layer_px);

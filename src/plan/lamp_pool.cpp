@@ -4,8 +4,10 @@
 #include <bit>
 #include <limits>
 #include <map>
+#include <memory_resource>
 
 #include "base/check.h"
+#include "base/scratch.h"
 
 namespace candela {
 namespace {
@@ -19,9 +21,9 @@ uint64_t spread_bits(uint32_t v) {
 // multiple of its length.
 class Squares {
  public:
-  explicit Squares(const LampPool& pool)
+  Squares(const LampPool& pool, std::pmr::memory_resource* memory)
       : per_layer_(uint64_t(pool.layer_px / least_lamp_px) * (pool.layer_px / least_lamp_px)),
-        owner_(size_t(per_layer_) * pool.layers, none) {}
+        owner_(size_t(per_layer_) * pool.layers, none, memory) {}
   static uint64_t length(uint32_t size_px) { return uint64_t(size_px / least_lamp_px) * (size_px / least_lamp_px); }
   void put(uint64_t first, uint32_t size_px, uint32_t owner) {
     std::fill_n(owner_.begin() + std::ptrdiff_t(first), length(size_px), owner);
@@ -60,15 +62,17 @@ class Squares {
 
  private:
   uint64_t per_layer_;
-  std::vector<uint32_t> owner_;  // into LampPool::maps
+  ScratchVector<uint32_t> owner_;  // into LampPool::maps
 };
 
-// Nothing: the gaps are too small.
-std::optional<PlacedLamps> place(LampPool pool, std::span<const LampMap> maps) {
-  PlacedLamps out;
+// False: the gaps are too small.
+bool place(std::span<const LampMap> maps, PlacedLamps& out) {
+  LampPool& pool = out.pool;
+  out.tiles.clear(), out.drawn.clear();
   const uint64_t now = ++pool.frames;
-  Squares squares(pool);
-  std::map<Hash128, uint32_t> known;
+  Scratch scratch;
+  Squares squares(pool, &scratch);
+  std::pmr::map<Hash128, uint32_t> known(&scratch);
   for (uint32_t m = 0; m < pool.maps.size(); ++m) {
     squares.put(squares.first_of(pool.maps[m].tile), pool.maps[m].size_px, m);
     known[pool.maps[m].key] = m;
@@ -76,7 +80,8 @@ std::optional<PlacedLamps> place(LampPool pool, std::span<const LampMap> maps) {
   for (const LampMap& map : maps)
     if (const auto found = map.key ? known.find(*map.key) : known.end(); found != known.end())
       pool.maps[found->second].used = now;
-  std::vector<bool> gone(pool.maps.size(), false), of_frame(pool.maps.size(), false);
+  ScratchVector<bool> gone(pool.maps.size(), false, &scratch), of_frame(pool.maps.size(), false, &scratch);
+  ScratchVector<uint32_t> over(&scratch);
   for (uint32_t i = 0; i < maps.size(); ++i) {
     const LampMap& map = maps[i];
     if (const auto found = map.key ? known.find(*map.key) : known.end(); found != known.end()) {
@@ -89,8 +94,8 @@ std::optional<PlacedLamps> place(LampPool pool, std::span<const LampMap> maps) {
       return there.passing && there.used < now ? 1 : 2 * there.used;
     };
     const auto first = squares.oldest(map.size_px, 2 * now, used_of);
-    if (!first) return std::nullopt;
-    std::vector<uint32_t> over;
+    if (!first) return false;
+    over.clear();
     squares.each_owner(*first, map.size_px, [&](uint32_t m) { over.push_back(m); });
     for (const uint32_t m : over) {
       squares.put(squares.first_of(pool.maps[m].tile), pool.maps[m].size_px, Squares::none);
@@ -108,20 +113,20 @@ std::optional<PlacedLamps> place(LampPool pool, std::span<const LampMap> maps) {
   // What has no key is of no use to later frames.
   for (size_t m = pool.maps.size(); m-- > 0;)
     if (gone[m] || of_frame[m]) pool.maps.erase(pool.maps.begin() + std::ptrdiff_t(m));
-  out.pool = std::move(pool);
-  return out;
+  return true;
 }
 
 }  // namespace
 
-std::optional<PlacedLamps> place_lamps(const LampPool& before, std::span<const LampMap> maps, bool floats,
-                                       uint32_t layer_px, uint64_t most_bytes) {
+bool place_lamps(const LampPool& before, std::span<const LampMap> maps, bool floats, uint32_t layer_px,
+                 uint64_t most_bytes, PlacedLamps& placed) {
   const uint64_t layer_texels = uint64_t(layer_px) * layer_px, layer_bytes = layer_texels * sizeof(float);
   uint64_t texels = 0;
   for (const LampMap& map : maps) texels += uint64_t(map.size_px) * map.size_px;
   const uint64_t most_layers = std::min<uint64_t>(most_bytes / layer_bytes, std::numeric_limits<uint16_t>::max());
-  if (texels > most_layers * layer_texels) return std::nullopt;
-  LampPool pool = before;
+  if (texels > most_layers * layer_texels) return false;
+  LampPool& pool = placed.pool;
+  pool = before;
   pool.fresh = false;
   const auto empty = [&] { pool.maps.clear(), pool.fresh = true; };
   if (pool.layer_px != layer_px || pool.floats != floats) pool.layers = 0;
@@ -130,11 +135,11 @@ std::optional<PlacedLamps> place_lamps(const LampPool& before, std::span<const L
     pool.layers = uint32_t(wanted), pool.layer_px = layer_px, pool.floats = floats;
     empty();
   }
-  if (auto placed = place(pool, maps)) return placed;
-  pool.maps.clear();
-  auto placed = place(pool, maps);
-  CHECK(placed);  // the largest first, without gaps
-  return placed;
+  const uint64_t frames = pool.frames;
+  if (place(maps, placed)) return true;
+  pool.maps.clear(), pool.frames = frames;
+  CHECK(place(maps, placed));  // the largest first, without gaps
+  return true;
 }
 
 }  // namespace candela

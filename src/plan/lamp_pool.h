@@ -24,11 +24,12 @@ struct LampPool {
   bool fresh = true;    // the image is to be made
   uint64_t frames = 0;  // that were placed in it
   std::vector<Map> maps;
+  void forget() { layer_px = layers = 0, floats = false, fresh = true, frames = 0, maps.clear(); }
 };
 
 // What planning knows of earlier frames' maps.
 struct KeptLamps {
-  LampPool pool;
+  const LampPool& pool;
   uint64_t most_bytes = 0;  // of the image
 };
 
@@ -47,9 +48,10 @@ struct PlacedLamps {
 // Finds the maps that are there, and places the others where nothing is, or over maps that no frame used for the
 // longest time; where gaps are too small, all of them anew. The image has the least number of layers that holds four
 // times the frame's maps, in powers of two, as far as `most_bytes` reach, and never shrinks; it is made anew where it
-// is to grow. Nothing: not even the frame's own maps fit. maps: the largest first. layer_px: side of a layer, at least
+// is to grow. False: not even the frame's own maps fit. maps: the largest first. layer_px: side of a layer, at least
 // that of a map.
-std::optional<PlacedLamps> place_lamps(const LampPool& before, std::span<const LampMap> maps, bool floats,
-                                       uint32_t layer_px, uint64_t most_bytes);
+// placed: whatever it held, its memory is used again.
+bool place_lamps(const LampPool& before, std::span<const LampMap> maps, bool floats, uint32_t layer_px,
+                 uint64_t most_bytes, PlacedLamps& placed);
 
 }  // namespace candela

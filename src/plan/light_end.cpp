@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/rng.h"
+#include "base/scratch.h"
 #include "passes/lights/light_grid.h"
 #include "plan/stand_ins.h"
 
@@ -35,8 +36,10 @@ struct Point {
 };
 
 // On the surfaces of what is drawn, even by a power of the items' bounds' areas.
-std::vector<Point> points_on(const Scene& scene, const FrameData& data, size_t count, double power) {
-  std::vector<double> ends;  // of the items' parts of all
+void add_points_on(const Scene& scene, const FrameData& data, size_t count, double power, ScratchVector<Point>& points) {
+  Scratch scratch;
+  ScratchVector<double> ends(&scratch);  // of the items' parts of all
+  ends.reserve(data.items.size());
   double sum = 0;
   for (const DrawItem& item : data.items) {
     const glm::dvec3 e(item.bounds_relative.extent());
@@ -47,8 +50,7 @@ std::vector<Point> points_on(const Scene& scene, const FrameData& data, size_t c
                        std::isfinite(area);  // metaballs have no vertices here; what stands about them tells as much
     ends.push_back(sum += known ? std::pow(area, power) : 0);
   }
-  std::vector<Point> points;
-  if (!(sum > 0)) return points;
+  if (!(sum > 0)) return;
   Rng rng(27);
   for (size_t i = 0; i < count; ++i) {
     const double at = (double(i) + rng.uniform()) / double(count) * sum;
@@ -67,16 +69,14 @@ std::vector<Point> points_on(const Scene& scene, const FrameData& data, size_t c
     if (!(size > 0) || !std::isfinite(size)) continue;
     points.push_back({(1 - across) * corner[0] + across * ((1 - v) * corner[1] + v * corner[2]), normal / size});
   }
-  return points;
 }
 
 // What a side of a point gets, by how much the lights give where they are faced.
 struct Received {
   double all = 0;  // lux
   double lights = 0;
-  std::vector<double> below, inverse;  // by bin: of lights without range, sums of w c and of w / c; w: the cosine
-  std::vector<double> count;           // of lights by bin
-  Received() : below(bins), inverse(bins), count(bins) {}
+  std::array<double, bins> below{}, inverse{};  // by bin: of lights without range, sums of w c and w / c; w: the cosine
+  std::array<double, bins> count{};             // of lights by bin
 };
 
 // Of a light at a point, on the side that it shines on: what it gives where it is faced, for an intensity of 1, without
@@ -132,7 +132,7 @@ void receive(const LightItem& light, double weight, const Point& p, Received sid
 
 // The fraction of what counts that is lost with an end at each bin's lower edge; and how many lights there are then.
 struct Losses {
-  std::vector<double> lost = std::vector<double>(bins), lights = std::vector<double>(bins);
+  std::array<double, bins> lost{}, lights{};
 };
 void add_losses(const Received& r, double least_lux, Losses& out) {
   double below = 0, inverse = 0, count = 0;
@@ -166,7 +166,7 @@ void add_change(const LightItem& before, const LightItem* after, const Point& p,
 double largest(glm::dvec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
 // How many of the lights from number `first` on reach a point, in the mean over a few.
-double mean_reached(const std::vector<LightItem>& lights, size_t first, const std::vector<Point>& points) {
+double mean_reached(const std::vector<LightItem>& lights, size_t first, std::span<const Point> points) {
   constexpr size_t few = 24;
   const size_t stride = std::max<size_t>(points.size() / few, 1);
   double sum = 0, count = 0;
@@ -179,7 +179,7 @@ double mean_reached(const std::vector<LightItem>& lights, size_t first, const st
 // For each number of layers the widest spacing of stand-ins that leaves at most `most` wrong at every point, with at
 // most most_stand_ins a point; or else the closest that fits. What leaves least takes its place in `out`, if it is
 // better.
-void choose_stand_ins(const std::vector<LightItem>& lights, const std::vector<Point>& points, double most,
+void choose_stand_ins(const std::vector<LightItem>& lights, std::span<const Point> points, double most,
                       double least_lux, double most_stand_ins, float floor_lux, LightEnd& out) {
   constexpr double spacings[] = {1, 0.7, 0.5, 0.35, 0.25, 0.18};
   std::vector<std::array<Changed, 2>> ended;  // by the lights' own ends, the same for all of these
@@ -238,14 +238,16 @@ LightEnd choose_light_end(const Scene& scene, const FrameData& data, double most
   if (endless == 0 || !(most_lost > 0)) return {};
   const size_t count = std::clamp(most_pairs / data.lights.size(), least_points, most_points);
   const size_t stride = std::max<size_t>(data.lights.size() * count / most_pairs, 1);
-  std::vector<Point> points = points_on(scene, data, count, 1);
+  Scratch scratch;
+  ScratchVector<Point> points(&scratch);
+  points.reserve(2 * count);  // before others ask
+  add_points_on(scene, data, count, 1, points);
   if (points.empty()) return {float(usual_lux)};
   const size_t even = points.size();  // these say how long lists are
   // Small things beside a large floor have points, too.
-  const std::vector<Point> of_small = points_on(scene, data, count / 2, 0.5);
-  points.insert(points.end(), of_small.begin(), of_small.end());
+  add_points_on(scene, data, count / 2, 0.5, points);
   const double least_lux = 0.01 * std::numbers::pi * std::exp2(-exposure_ev);
-  std::vector<Losses> losses(points.size());
+  ScratchVector<Losses> losses(points.size(), &scratch);
   tbb::parallel_for(size_t(0), points.size(), [&](size_t i) {
     Received side[2];
     for (size_t l = i % stride; l < data.lights.size(); l += stride)

@@ -11,6 +11,7 @@
 #include "passes/shared/light_knobs.h"
 #include "passes/volumes/fog_knobs.h"
 #include "plan/frame_fog.h"
+#include "scene/moving_nodes.h"
 
 namespace candela {
 namespace {
@@ -48,9 +49,16 @@ DrawnExtent drawn_extent(const Scene& scene, const FrameData& data, const View& 
 
 }  // namespace
 
-Expected<LitFrame> light_frame(const AskedFrame& asked, const SurveyedFrame& frame, const PackedFrame& packed,
-                               const PlanContext& context, StageClock& clock) {
-  LitFrame lit;
+Expected<std::vector<uint8_t>> moving_of(const Scene& scene, const std::string& animation) {
+  const auto animations = choose_animations(scene, animation);
+  if (!animations) return std::unexpected(animations.error());
+  const std::vector<bool> moving = moving_nodes(scene, *animations);
+  return std::vector<uint8_t>(moving.begin(), moving.end());
+}
+
+Expected<void> light_frame(const AskedFrame& asked, const SurveyedFrame& frame, const PackedFrame& packed,
+                           const PlanContext& context, StageClock& clock, LitFrame& lit) {
+  lit.notes.clear();
   const KnobValues& knobs = asked.knobs;
   const FrameRequest& request = frame.request;
 
@@ -59,13 +67,17 @@ Expected<LitFrame> light_frame(const AskedFrame& asked, const SurveyedFrame& fra
   LightKnobs lists = knobs.get<LightKnobs>();
   if (LightOrder(lists.order) == LightOrder::automatic)
     lists.order = int(context.cpu ? LightOrder::segments : LightOrder::sorted);
-  lit.light_grid = make_light_grid(asked.technique->light_grid, frame.data, packed.upload.constants, extent.farthest_m,
-                                   extent.reach_m, lists);
+  make_light_grid(asked.technique->light_grid, frame.data, packed.upload.constants, extent.farthest_m, extent.reach_m,
+                  lists, lit.light_grid);
   if (!lit.light_grid.note.empty()) lit.notes.push_back(lit.light_grid.note);
 
   clock.begin("sun_shadows");
-  const auto animations = choose_animations(context.scene, asked.job.animation);
-  if (!animations) return std::unexpected(animations.error());
+  std::vector<uint8_t> moving;
+  if (context.moving.empty()) {
+    auto found = moving_of(context.scene, asked.job.animation);
+    if (!found) return std::unexpected(found.error());
+    moving = std::move(*found);
+  }
   lit.shadow_colors = draws_shadow_colors(frame.facts, request, knobs);
   const MapOptions maps{.longer_side_px = std::max(request.width_px, request.height_px),
                         .scene_size_m = context.layout.size_m,
@@ -73,13 +85,12 @@ Expected<LitFrame> light_frame(const AskedFrame& asked, const SurveyedFrame& fra
                         .see_through = lit.shadow_colors,
                         .floats = packed.upload.batch_count > 0,
                         .kept_lamps = context.kept_lamps,
-                        .animations = &*animations,
+                        .moving = context.moving.empty() ? std::span<const uint8_t>(moving) : context.moving,
                         .textures = knobs.get<TextureKnobs>(),
                         .relief = knobs.get<ReliefKnobs>()};
-  auto suns = plan_suns(context.scene, frame, packed, knobs.get<SunKnobs>(), maps);
-  if (!suns) return std::unexpected(suns.error());
-  lit.suns = std::move(*suns);
+  if (auto fine = plan_suns(context.scene, frame, packed, knobs.get<SunKnobs>(), maps, lit.suns); !fine) return fine;
 
+  lit.fog.reset();
   if (request.draws_fog()) {
     clock.begin("fog");
     const FogKnobs& fog = knobs.get<FogKnobs>();
@@ -89,12 +100,10 @@ Expected<LitFrame> light_frame(const AskedFrame& asked, const SurveyedFrame& fra
 
   clock.begin("local_shadows");
   const int rows = request.height_px * int(knobs.get<Supersample::Knobs>().grid().y);
-  auto lamps = plan_lamps(context.scene, frame, packed, knobs.get<LampKnobs>(), rows, maps);
-  if (!lamps) return std::unexpected(lamps.error());
-  lit.lamps = std::move(*lamps);
-  for (const auto* notes : {&lit.suns.notes, &lit.lamps.notes})
-    lit.notes.insert(lit.notes.end(), notes->begin(), notes->end());
-  return lit;
+  if (auto fine = plan_lamps(context.scene, frame, packed, knobs.get<LampKnobs>(), rows, maps, lit.lamps); !fine)
+    return fine;
+  for (const auto* notes : {&lit.suns.notes, &lit.lamps.notes}) lit.notes.append(*notes);
+  return {};
 }
 
 }  // namespace candela

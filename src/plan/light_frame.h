@@ -20,11 +20,14 @@ struct LitFrame {
   FrameSuns suns;
   FrameLamps lamps;
   std::optional<shared::FogMedium> fog;
-  std::vector<std::string> notes;
+  Notes notes;
 };
 // clock: gets the times of its four parts, light_grid, sun_shadows, fog and local_shadows. Errors: those of plan_suns()
 // and plan_lamps().
-Expected<LitFrame> light_frame(const AskedFrame& asked, const SurveyedFrame& frame, const PackedFrame& packed,
-                               const PlanContext& context, StageClock& clock);
+// lit: whatever it held, its memory is used again.
+Expected<void> light_frame(const AskedFrame& asked, const SurveyedFrame& frame, const PackedFrame& packed,
+                           const PlanContext& context, StageClock& clock, LitFrame& lit);
+// Of each node whether it moves by what plays (scene/moving_nodes.h). Errors: those of choose_animations().
+Expected<std::vector<uint8_t>> moving_of(const Scene& scene, const std::string& animation);
 
 }  // namespace candela

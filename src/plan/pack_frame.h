@@ -13,7 +13,8 @@ struct PackedFrame {
   uint32_t mesh_instances = 0;   // likewise of items
   bool traces_keys = false;      // rays find what the camera sees
 };
-Expected<PackedFrame> pack_frame(const AskedFrame& asked, const SurveyedFrame& frame, const PlanContext& context,
-                                 double time_s);
+// packed: whatever it held, its memory is used again.
+Expected<void> pack_frame(const AskedFrame& asked, const SurveyedFrame& frame, const PlanContext& context,
+                          double time_s, PackedFrame& packed);
 
 }  // namespace candela

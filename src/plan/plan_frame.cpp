@@ -27,12 +27,13 @@ std::string probe_note(const PlannedFrame& f) {
 
 // Those of the stages in their order, and what only the whole frame tells.
 void add_notes(PlannedFrame& f, const KnobValues& knobs) {
-  for (auto* notes : {&f.SurveyedFrame::notes, &f.LitFrame::notes, &f.TracedFrame::notes})
-    f.notes.insert(f.notes.end(), notes->begin(), notes->end());
+  f.notes.append(f.SurveyedFrame::notes);
+  f.notes.append(f.LitFrame::notes);
+  f.notes.append(f.TracedFrame::notes);
   const Supersample::Knobs& supersample = knobs.get<Supersample::Knobs>();
   if (supersample.pictures() > 1 && knobs.get<Resolve::Knobs>().samples > 1)
-    f.notes.push_back(fmt::format("supersampling ({} x {} a pixel) takes the place of multisampling",
-                                  supersample.grid().x, supersample.grid().y));
+    f.notes.add("supersampling ({} x {} a pixel) takes the place of multisampling",
+                                  supersample.grid().x, supersample.grid().y);
   if (supersample.pictures() >= 16 && f.rays)
     f.notes.push_back(
         "rays from every sample of every pixel, as at quality exact: candela reference --mode direct is the truth "
@@ -41,7 +42,7 @@ void add_notes(PlannedFrame& f, const KnobValues& knobs) {
   std::vector<std::string> missing = not_drawn(f.facts, f.pose);
   if (f.facts.sized_lights > 0 && f.facts.takes_light() && !f.traced.soft_lamps)
     missing.push_back("sizes of point and spot lights (drawn as points: local.method, local.soft)");
-  if (!missing.empty()) f.notes.push_back(fmt::format("not drawn yet (candela reference does): {}", joined(missing)));
+  if (!missing.empty()) f.notes.add("not drawn yet (candela reference does): {}", joined(missing));
 }
 
 // What later stages decided of what the first packed: whose light has which shadow, the lists' grid, fog, and where
@@ -84,30 +85,24 @@ void cull_beyond(const PixelRect& part, const View& view, const FrameRequest& re
 
 Expected<void> plan_one(const Job& job, const PlanContext& context, const WantedOutputs& wanted, double time_s,
                         PlannedFrame& f) {
-  StageClock clock;
+  StageClock& clock = f.clock;
+  clock.restart();
   clock.begin("animate");
   const auto asked = ask_frame(job, context, wanted, time_s);
   if (!asked) return std::unexpected(asked.error());
-  auto frame = survey_frame(*asked, context, time_s);
-  if (!frame) return std::unexpected(frame.error());
-  auto packed = pack_frame(*asked, *frame, context, time_s);
-  if (!packed) return std::unexpected(packed.error());
+  if (auto fine = survey_frame(*asked, context, time_s, f); !fine) return fine;
+  if (auto fine = pack_frame(*asked, f, context, time_s, f); !fine) return fine;
   // What is looked at is the frame's own.
   PlanContext lighting = context;
   if (asks_dumps(asked->job, wanted)) lighting.kept_lamps = nullptr;
-  auto lit = light_frame(*asked, *frame, *packed, lighting, clock);
-  if (!lit) return std::unexpected(lit.error());
+  if (auto fine = light_frame(*asked, f, f, lighting, clock, f); !fine) return fine;
   clock.begin("trees");
-  TracedFrame traced = trace_frame(*asked, *frame, *packed, *lit, context);
+  trace_frame(*asked, f, f, f, context, f);
 
   clock.begin("plan");
-  complete_upload(*frame, *lit, traced, context.layout.least_light_distance_m, *packed);
-  const auto parts = picture_parts(frame->facts, frame->request, asked->knobs, frame->notes);
-  if (parts) cull_beyond(parts->seen, frame->view, frame->request, packed->upload);
-  static_cast<SurveyedFrame&>(f) = std::move(*frame);
-  static_cast<PackedFrame&>(f) = std::move(*packed);
-  static_cast<LitFrame&>(f) = std::move(*lit);
-  static_cast<TracedFrame&>(f) = std::move(traced);
+  complete_upload(f, f, f, context.layout.least_light_distance_m, f);
+  const auto parts = picture_parts(f.facts, f.request, asked->knobs, f.SurveyedFrame::notes);
+  if (parts) cull_beyond(parts->seen, f.view, f.request, f.upload);
   f.notes.clear();
   f.textures = asked->knobs.get<TextureKnobs>();
   f.relief = asked->knobs.get<ReliefKnobs>();
@@ -118,7 +113,6 @@ Expected<void> plan_one(const Job& job, const PlanContext& context, const Wanted
   if (auto fine = plan_graph(*asked, context, wanted, parts, f); !fine) return std::unexpected(fine.error());
   add_notes(f, asked->knobs);
   clock.end();
-  f.clock = std::move(clock);
   return {};
 }
 
@@ -134,10 +128,9 @@ Expected<void> plan_frame(const Job& job, const PlanContext& context, const Want
   first.subframe = &frames->front();
   auto planned = plan_one(job, first, wanted, first.subframe->time_s, frame);
   if (planned)
-    frame.notes.push_back(
-        fmt::format("the picture is the mean of {} such frames, from {:.6g} to {:.6g} s "
+    frame.notes.add("the picture is the mean of {} such frames, from {:.6g} to {:.6g} s "
                     "(subframes.n, --shutter, --fstop)",
-                    frames->front().count, frames->front().time_s, (*frames)[frames->size() - 2].time_s));
+                    frames->front().count, frames->front().time_s, (*frames)[frames->size() - 2].time_s);
   return planned;
 }
 

@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "base/reused.h"
 #include "graph/builder.h"
 #include "job/job.h"
 #include "passes/surfaces/ibl_knobs.h"
@@ -30,7 +31,7 @@ struct PlannedFrame : SurveyedFrame, PackedFrame, LitFrame, TracedFrame {
   std::vector<UploadRow> rows;               // what is uploaded (plan/upload_table.h)
   std::shared_ptr<PlannedGraph> made;        // the graph, which other frames may share
   const CompiledGraph& graph() const { return made->graph; }
-  std::vector<std::string> notes;  // of all stages
+  Notes notes;                     // of all stages
   StageClock clock;                // their times; the sum is all of planning
 };
 // Of a picture of several frames (plan/subframes.h) the one that the context names, else the first of them.

@@ -206,14 +206,17 @@ void KeptGraphs::add(std::shared_ptr<PlannedGraph> graph) {
   graphs_.insert(graphs_.begin(), std::move(graph));
 }
 
-bool asks_dumps(const Job& job, const WantedOutputs& wanted) { return !dump_requests(job, wanted).empty(); }
+bool asks_dumps(const Job& job, const WantedOutputs& wanted) {
+  // The view's name is only looked at where it may be an image's.
+  return !wanted.dumps.empty() || (wanted.display && job.view.find('.') != std::string::npos && image_of_view(job.view));
+}
 
 Expected<void> plan_graph(const AskedFrame& asked, const PlanContext& context, const WantedOutputs& wanted,
                           const std::optional<PictureParts>& parts, PlannedFrame& f) {
   find_keys(context, f);
   upload_table(f, context.layout, f.rows);
-  FrameShape own;
-  FrameShape& shape = context.graphs ? context.graphs->shape() : own;
+  std::optional<FrameShape> own;
+  FrameShape& shape = context.graphs ? context.graphs->shape() : own.emplace();
   take_shape(asked, f, context, f.rows, parts, shape);
   const bool dumps = asks_dumps(asked.job, wanted);
   f.made = context.graphs && !dumps ? context.graphs->find(shape) : nullptr;

@@ -105,8 +105,9 @@ shared::View cascade_view(const glm::dmat3& axes, glm::dvec2 centre, double half
 
 }  // namespace
 
-std::vector<double> cascade_splits(double near_m, double far_m, int count, double lambda) {
-  std::vector<double> ends;
+std::pmr::vector<double> cascade_splits(double near_m, double far_m, int count, double lambda,
+                                        std::pmr::memory_resource* memory) {
+  std::pmr::vector<double> ends(memory);
   for (int i = 1; i <= count; ++i) {
     const double fraction = double(i) / count;
     const double logarithmic = near_m * std::pow(far_m / near_m, fraction),
@@ -129,7 +130,7 @@ glm::dmat3 light_axes(glm::dvec3 direction) {
 }
 
 SunCascades fit_sun_cascades(glm::dvec3 direction, const View& view, const SunFit& fit, const SunKnobs& knobs,
-                             uint32_t first_layer) {
+                             uint32_t first_layer, std::pmr::memory_resource* memory) {
   const bool single = SunMode(knobs.mode) == SunMode::single;
   const LightSpace light{light_axes(direction)};
   const glm::dvec3 camera = light.of(view.position);
@@ -147,7 +148,7 @@ SunCascades fit_sun_cascades(glm::dvec3 direction, const View& view, const SunFi
       std::max({least_near_m, nearest_part * drawn_far_m, knows_depth ? quantised_up(fit.nearest_m, unit) / 2 : 0.0});
   const double far_m = std::max(drawn_far_m, 2 * near_m);
   const double split_far_m = std::clamp(double(knobs.distance) * far_m, 2 * near_m, far_m);
-  std::vector<double> ends = cascade_splits(near_m, split_far_m, count, double(knobs.split_lambda));
+  std::pmr::vector<double> ends = cascade_splits(near_m, split_far_m, count, double(knobs.split_lambda), memory);
   ends.back() = far_m;
 
   // All cascades share the light's depths of everything that can receive: a caster's shadow never leaves its square.
@@ -165,7 +166,7 @@ SunCascades fit_sun_cascades(glm::dvec3 direction, const View& view, const SunFi
   const double range_m = high - low;
   const glm::dvec4 depth(light.axes[2] / range_m, (camera.z - low) / range_m);
 
-  SunCascades out;
+  SunCascades out{.views = std::pmr::vector<shared::View>(memory)};
   out.shadow.right = glm::vec3(light.axes[0]);
   out.shadow.up = glm::vec3(light.axes[1]);
   out.shadow.depth = glm::vec4(depth);

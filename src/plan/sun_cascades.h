@@ -1,5 +1,6 @@
 #pragma once
 #include <glm/glm.hpp>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -22,12 +23,13 @@ struct SunFit {
 // One sun's cascades: what the surfaces read, and the views that its maps are drawn from.
 struct SunCascades {
   shared::SunShadow shadow{};
-  std::vector<shared::View> views;
+  std::pmr::vector<shared::View> views;
 };
 
 // Far ends of the slices of the view, in metres along its axis (Zhang, Sun, Xu, Lun, "Parallel-Split Shadow Maps for
 // Large-scale Virtual Environments", 2006, the practical scheme): lambda 1 is logarithmic, 0 uniform.
-std::vector<double> cascade_splits(double near_m, double far_m, int count, double lambda);
+std::pmr::vector<double> cascade_splits(double near_m, double far_m, int count, double lambda,
+                                        std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
 // The smallest sphere around a slice of a perspective view, centre on the axis (Valient, "Stable Rendering of Cascaded
 // Shadow Maps", 2008). k: the length of the two half angles' tangents.
@@ -44,7 +46,8 @@ glm::dmat3 light_axes(glm::dvec3 direction);
 // absolute coordinates in double, so that a texel covers the same ground from frame to frame wherever the camera is,
 // and made relative to the camera after.
 SunCascades fit_sun_cascades(glm::dvec3 direction, const View& view, const SunFit& fit, const SunKnobs& knobs,
-                             uint32_t first_layer);
+                             uint32_t first_layer,
+                             std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
 // Texels around a point that its lookup may read, with the offset along the normal: by how much a cascade covers less
 // than its map, and by how much rule A's square is smaller.

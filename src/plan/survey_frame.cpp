@@ -96,19 +96,19 @@ void end_lights(const LightRangeKnobs& knobs, const Scene& scene, SurveyedFrame&
 
 }  // namespace
 
-Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext& context, double time_s) {
+Expected<void> survey_frame(const AskedFrame& asked, const PlanContext& context, double time_s, SurveyedFrame& f) {
   const Job& job = asked.job;
-  SurveyedFrame f;
   f.request = asked.request;
   f.notes = asked.notes;
   f.on_device = posed_on_device(f.request, asked.knobs, *asked.technique, context.on_device, context.cpu);
   auto posed = pose_scene(context.scene, job, time_s, f.request.look.lights.radius_m, context.face, f.on_device,
                           double(asked.knobs.get<MetaballKnobs>().cell), context.subframe);
   if (!posed) return std::unexpected(posed.error());
-  f.posed_at_allocations = heap_allocations();
   f.pose = std::move(posed->pose), f.view = std::move(posed->view), f.data = std::move(posed->data);
   if (f.request.part.role == SubframePart::Role::subframe) widen(posed->window, f.request);
   if (const auto& paths = context.scene.paths) f.notes.insert(f.notes.end(), paths->notes.begin(), paths->notes.end());
+  f.light_group_of.clear();
+  f.sky = {};
   if (!f.request.light_groups.empty()) {
     auto groups = light_group_of(job, context.scene, f.data.lights);
     if (!groups) return std::unexpected(groups.error());
@@ -155,7 +155,8 @@ Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext&
   // What was added since is of no group.
   if (!f.request.light_groups.empty())
     f.light_group_of.resize(f.data.lights.size(), uint32_t(f.request.light_groups.size() - 1));
-  return f;
+  f.posed_at_allocations = heap_allocations();
+  return {};
 }
 
 Expected<SurveyedFrame> survey_frame(const Job& job, const Scene& scene, double time_s) {
@@ -167,7 +168,10 @@ Expected<SurveyedFrame> survey_frame(const Job& job, const Scene& scene, double 
   const PlanContext context{scene, none, &*sky};
   const auto asked = ask_frame(job, context, WantedOutputs{}, time_s);
   if (!asked) return std::unexpected(asked.error());
-  return survey_frame(*asked, context, time_s);
+  SurveyedFrame frame;
+  if (auto surveyed = survey_frame(*asked, context, time_s, frame); !surveyed)
+    return std::unexpected(surveyed.error());
+  return frame;
 }
 
 }  // namespace candela

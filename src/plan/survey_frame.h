@@ -20,7 +20,7 @@ struct SurveyedFrame {
   std::vector<std::string> notes;
   uint64_t posed_at_allocations = 0;  // heap_allocations() when everything was posed
 };
-Expected<SurveyedFrame> survey_frame(const AskedFrame& asked, const PlanContext& context, double time_s);
+Expected<void> survey_frame(const AskedFrame& asked, const PlanContext& context, double time_s, SurveyedFrame& frame);
 
 // Both stages for one frame alone; reads the job's sky and look. Warnings are logged.
 Expected<SurveyedFrame> survey_frame(const Job& job, const Scene& scene, double time_s);

@@ -31,12 +31,13 @@ bool soft_lamps(const SceneFacts& facts, const FrameLamps& lamps, const LampKnob
 
 }  // namespace
 
-TracedFrame trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, const PackedFrame& packed,
-                        const LitFrame& lit, const PlanContext& context) {
-  TracedFrame out;
+void trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, const PackedFrame& packed, const LitFrame& lit,
+                 const PlanContext& context, TracedFrame& out) {
+  out.rays.reset(), out.ray_settings.clear(), out.notes.clear();
+  out.shift = glm::dvec3(0), out.traced = {};
   AmbientOcclusion occlusion;
   occlusion.knobs = asked.knobs.get<AmbientOcclusion::Knobs>();
-  if (packed.upload.item_count == 0) return out;
+  if (packed.upload.item_count == 0) return;
   const bool refraction = frame.facts.refracting_items > 0;
   Reflections reflections;
   reflections.knobs = asked.knobs.get<Reflections::Knobs>();
@@ -80,7 +81,7 @@ TracedFrame trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, con
   TracedRays& traced = out.traced;
   traced.soft_suns = soft_suns(frame.data, lit.suns, asked.knobs.get<SunKnobs>());
   traced.soft_lamps = soft_lamps(frame.facts, lit.lamps, asked.knobs.get<LampKnobs>());
-  if (!out.rays && !traced.soft_suns && !traced.soft_lamps) return out;
+  if (!out.rays && !traced.soft_suns && !traced.soft_lamps) return;
   const uint32_t pictures = asked.knobs.get<Supersample::Knobs>().pictures();
   const auto a_picture = [&](int count) { return (uint32_t(count) + pictures - 1) / pictures; };
   const Occlusion look = frame.request.look.occlusion.value_or(Occlusion{});
@@ -93,8 +94,8 @@ TracedFrame trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, con
   s.sun_samples = traced.sun_samples = a_picture(asked.knobs.get<SunKnobs>().samples);
   s.lamp_samples = traced.lamp_samples = a_picture(asked.knobs.get<LampKnobs>().samples);
   s.seed = frame.request.still_seed;
-  if (shades || texels || traced.soft_suns || traced.soft_lamps) out.ray_settings = {s};
-  if (!out.rays) return out;
+  if (shades || texels || traced.soft_suns || traced.soft_lamps) out.ray_settings.push_back(s);
+  if (!out.rays) return;
   // Rounded up, so that frames whose trees differ a little share their pipelines.
   traced.stack = (out.rays->stack + 7) / 8 * 8;
   traced.blended = out.rays->blended;
@@ -107,7 +108,6 @@ TracedFrame trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, con
   traced.suns_by_voxels = by_voxels && lit.suns.by_voxels, traced.lamps_by_voxels = by_voxels && lit.lamps.by_voxels;
   if (!by_voxels && (lit.suns.by_voxels || lit.lamps.by_voxels))
     out.notes.push_back("voxels are left out: the scene has reliefs, and every ray is sent");
-  return out;
 }
 
 }  // namespace candela

@@ -15,9 +15,10 @@ struct TracedFrame {
   glm::dvec3 shift{0};                            // what added to relative space gives that of the trees
   std::vector<shared::RaySettings> ray_settings;  // one, where shading sends rays or shadows are soft
   TracedRays traced;                              // without handles
-  std::vector<std::string> notes;
+  Notes notes;
 };
-TracedFrame trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, const PackedFrame& packed,
-                        const LitFrame& lit, const PlanContext& context);
+// out: whatever it held, its memory is used again.
+void trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, const PackedFrame& packed, const LitFrame& lit,
+                 const PlanContext& context, TracedFrame& out);
 
 }  // namespace candela

@@ -1,5 +1,7 @@
 #include "scene/draw_list.h"
 
+#include "base/scratch.h"
+
 #include <algorithm>
 #include <array>
 #include <numeric>
@@ -59,14 +61,12 @@ struct GroupPart {
 
 class Lister {
  public:
-  Lister(const Scene& scene, const Pose& pose, const FrameData& frame, bool refraction)
-      : scene_(scene), pose_(pose), frame_(frame), refraction_(refraction) {}
-
-  DrawList list() {
+  Lister(const Scene& scene, const Pose& pose, const FrameData& frame, bool refraction, DrawList& list)
+      : scene_(scene), pose_(pose), frame_(frame), refraction_(refraction), list_(list) {
+    list.clear();
     sort_items();
     for (uint32_t rank = 0; rank + 1 < draw_ranks; ++rank) add_rank(rank);
     add_blended();
-    return std::move(list_);
   }
 
  private:
@@ -75,7 +75,8 @@ class Lister {
   // The host's items by rank, and what of groups stands between them.
   void sort_items() {
     const std::vector<DrawItem>& items = frame_.items;
-    std::vector<uint8_t> ranks(items.size());
+    Scratch scratch;
+    ScratchVector<uint8_t> ranks(items.size(), &scratch);
     size_t group = 0;
     for (size_t i = 0; i < items.size(); ++i) {
       for (; group < frame_.item_groups.size() && frame_.item_groups[group].before <= i; ++group) add_parts(group);
@@ -89,9 +90,11 @@ class Lister {
     std::array<uint32_t, draw_ranks> next = first_;
     list_.order.resize(items.size());
     for (size_t i = 0; i < items.size(); ++i) list_.order[next[ranks[i]]++] = uint32_t(i);
-    // Blended items compare by depth alone, farthest first; the stable sort keeps equal depths in item order.
-    std::stable_sort(list_.order.begin() + first_.back(), list_.order.end(),
-                     [&](uint32_t a, uint32_t b) { return items[a].view_depth_m > items[b].view_depth_m; });
+    // Blended items by depth, farthest first, equal ones in item order.
+    std::sort(list_.order.begin() + first_.back(), list_.order.end(), [&](uint32_t a, uint32_t b) {
+      const auto depth_a = items[a].view_depth_m, depth_b = items[b].view_depth_m;
+      return depth_a > depth_b || (!(depth_b > depth_a) && a < b);
+    });
   }
 
   void add_parts(size_t g) {
@@ -154,13 +157,13 @@ class Lister {
   const bool refraction_;
   std::array<uint32_t, draw_ranks> count_{}, first_{};  // of the host's items, by rank
   std::array<std::vector<GroupPart>, draw_ranks> parts_;
-  DrawList list_;
+  DrawList& list_;
 };
 
 }  // namespace
 
-DrawList make_draw_list(const Scene& scene, const Pose& pose, const FrameData& frame, bool refraction) {
-  return Lister(scene, pose, frame, refraction).list();
+void make_draw_list(const Scene& scene, const Pose& pose, const FrameData& frame, bool refraction, DrawList& list) {
+  Lister(scene, pose, frame, refraction, list);
 }
 
 }  // namespace candela

@@ -42,9 +42,15 @@ struct DrawList {
   std::vector<uint32_t> sections;  // of groups' meshes
   std::vector<DrawBatch> batches;
   uint32_t item_count() const { return spans.empty() ? 0 : spans.back().first + spans.back().count; }
+  void clear() { order.clear(), spans.clear(), sections.clear(), batches.clear(); }
 };
-// refraction: surfaces that let light through are drawn so.
-DrawList make_draw_list(const Scene& scene, const Pose& pose, const FrameData& frame, bool refraction = false);
+// refraction: surfaces that let light through are drawn so. list: whatever it held, its memory is used again.
+void make_draw_list(const Scene& scene, const Pose& pose, const FrameData& frame, bool refraction, DrawList& list);
+inline DrawList make_draw_list(const Scene& scene, const Pose& pose, const FrameData& frame, bool refraction = false) {
+  DrawList list;
+  make_draw_list(scene, pose, frame, refraction, list);
+  return list;
+}
 
 // Whether a section lets light through (KHR_materials_transmission). Of blended ones the part that alpha covers does;
 // through the rest the picture behind is seen as it is.

@@ -108,6 +108,7 @@ class DeviceSession : public Session {
   KeptKeys kept_keys_;
   PlannedFrame planned_;
   GpuScene::Uploaded uploaded_;
+  std::vector<uint8_t> moving_;  // as PlanContext has it
   KeptImages kept_images_;
   gpu::RunOptions run_options_;
 };
@@ -120,6 +121,9 @@ Expected<void> DeviceSession::load() {
   auto layout = layout_geometry(scene_);
   if (!layout) return std::unexpected(layout.error());
   layout_ = std::move(*layout);
+  auto moving = moving_of(scene_, job_.animation);
+  if (!moving) return std::unexpected(moving.error());
+  moving_ = std::move(*moving);
   auto look = read_look_files(job_);
   if (!look) return std::unexpected(look.error());
   auto sky = read_sky(job_, *look, scene_);
@@ -262,6 +266,7 @@ Expected<void> DeviceSession::choose_again() {
 PlanContext DeviceSession::plan_context() const {
   PlanContext context{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
   context.on_device = on_device_;
+  context.moving = moving_;
   context.rays = rays_;
   context.cpu = shades_on_cpu(*device_);
   context.stores_samples = stores_samples_;
@@ -344,7 +349,7 @@ Expected<FrameTicket> DeviceSession::begin_frame(const Job& job, double time_s, 
     result.plan_hash = planned.made->hash, result.rays = planned.rays;
     result.dumps = planned.made->dumps;
     result.plan = {planned.made, &planned.made->graph.plan};
-    result.notes = planned.notes;
+    result.notes.assign(planned.notes.begin(), planned.notes.end());
     if (!left_out_.empty()) result.warnings.push_back(left_out_);
     begun.made = planned.made;
     begun.hash_outputs = hash_outputs, begun.submit_us = times.submit_us;
@@ -375,7 +380,7 @@ Expected<FrameTicket> DeviceSession::submit(PlannedFrame& planned, SubmitTimes& 
   if (const auto prepared = runner_->prepare(planned.graph()); !prepared) return std::unexpected(prepared.error());
   sums_->import(planned.graph().plan, uploaded_.imports, uploaded_.keep);
   // Until the frame is handed over nobody knows what it leaves there.
-  if (planned.lamps.pool) lamp_pool_ = {};
+  if (planned.lamps.pool) lamp_pool_.forget();
   kept_images(planned, kept_.get(), lamp_image_, kept_images_);
   uploaded_.keep.push_back(planned.made);
   uploaded_.keep.insert(uploaded_.keep.end(), kept_images_.held.begin(), kept_images_.held.end());

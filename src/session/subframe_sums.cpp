@@ -1,5 +1,7 @@
 #include "session/subframe_sums.h"
 
+#include <algorithm>
+
 #include "techniques/technique.h"
 
 namespace candela {
@@ -14,17 +16,22 @@ std::shared_ptr<gpu::Buffer> SubframeSums::buffer_of(uint64_t bytes) {
   return spare_.back();
 }
 
+SubframeSums::Sum& SubframeSums::sum_of(std::string_view name) {
+  const auto found = std::ranges::find(sums_, name, &Sum::name);
+  return found != sums_.end() ? *found : sums_.emplace_back(std::string(name));
+}
+
 void SubframeSums::import(const FramePlan& plan, gpu::Imports& imports,
                           std::vector<std::shared_ptr<const void>>& keep) {
   // What the frame before left is what this one takes.
-  for (auto& [name, buffer] : after_) before_[name] = std::move(buffer);
-  after_.clear();
+  for (Sum& sum : sums_)
+    if (sum.after) sum.before = std::move(sum.after), sum.after.reset();
   for (size_t r = 0; r < plan.resources.size(); ++r) {
     const PlanResource& resource = plan.resources[r];
     const bool is_before = resource.name().starts_with(sum_before);
     if (resource.is_image() || (!is_before && !resource.name().starts_with(sum_after))) continue;
-    const std::string name = resource.name().substr((is_before ? sum_before : sum_after).size());
-    std::shared_ptr<gpu::Buffer>& buffer = (is_before ? before_ : after_)[name];
+    Sum& sum = sum_of(std::string_view(resource.name()).substr((is_before ? sum_before : sum_after).size()));
+    std::shared_ptr<gpu::Buffer>& buffer = is_before ? sum.before : sum.after;
     if (!buffer) buffer = buffer_of(std::get<BufferDesc>(resource.desc).size_bytes);
     imports[int(r)] = buffer.get();
     keep.push_back(buffer);

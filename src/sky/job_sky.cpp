@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -12,6 +13,7 @@
 #include "base/check.h"
 #include "base/input.h"
 #include "base/log.h"
+#include "base/scratch.h"
 #include "image/cube_faces.h"
 #include "image/environment_file.h"
 #include "job/background.h"
@@ -146,10 +148,13 @@ AmbientSh FrameSky::ambient() const {
 }
 
 Hash128 FrameSky::key() const {
-  std::string text;
-  for (const SkyPart& part : parts)
-    text += fmt::format("{} {:a} {:a} {:a}\n", part.image->content.hex(), part.weight.x, part.weight.y, part.weight.z);
-  return hash128(text);
+  Scratch scratch;
+  ScratchVector<uint64_t> words(&scratch);
+  for (const SkyPart& part : parts) {
+    for (const uint64_t word : {part.image->content.lo, part.image->content.hi}) words.push_back(word);
+    for (int c = 0; c < 3; ++c) words.push_back(std::bit_cast<uint64_t>(double(part.weight[c])));
+  }
+  return hash128(std::as_bytes(std::span(words)));
 }
 
 DecodedImage sum_of(const std::vector<SkyPart>& parts) {

@@ -116,7 +116,7 @@ void find_nearest(Frame& frame, const SceneInputs& scene, Surfaces& surfaces, st
     if (const Need need = needs_two_phases(frame, scene)) {
       find_visible_depths(frame, scene, surfaces, instance);
     } else {
-      leave_out_occlusion_culling(need.reason);
+      leave_out_occlusion_culling(std::string(need.reason));
       find_depths(frame, scene, {surfaces.draws, surfaces.kept_items}, surfaces, instance);
     }
   }

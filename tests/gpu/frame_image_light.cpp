@@ -272,7 +272,7 @@ TEST_F(ImageLight, IsLeftOutWhole) {
   Job job = squares(1, sky.file);
   const auto plan_of = [&] {
     const auto session = open(job);
-    return session ? plan_text(render(*session).plan) : std::string();
+    return session ? plan_text(*render(*session).plan) : std::string();
   };
   EXPECT_NE(plan_of().find("IBL_METHOD"), std::string::npos);
   job.effects = "none";

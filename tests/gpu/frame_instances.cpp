@@ -104,7 +104,7 @@ TEST_F(PosedItems, KeepShadowMapsOfWhatDoesNotMove) {
   auto session = Session::open(job, {}, settings);
   ASSERT_TRUE(session) << session.error().text();
   const auto kept = [](const FrameResult& frame) {
-    return std::ranges::any_of(frame.left_out,
+    return std::ranges::any_of(frame.plan->left_out,
                                [](const LeftOut& l) { return l.reason.starts_with("kept from before"); });
   };
   std::map<double, Images> alone;

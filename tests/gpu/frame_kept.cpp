@@ -25,7 +25,7 @@ class KeptMaps : public FrameTest {
     return std::ranges::any_of(result.plan->passes, [](const PlanPass& p) { return p.name == "depth_views.sun"; });
   }
   static int left_out_as_kept(const FrameResult& result) {
-    return int(std::ranges::count_if(result.left_out, [](const LeftOut& left) {
+    return int(std::ranges::count_if(result.plan->left_out, [](const LeftOut& left) {
       return left.reason == "kept from before: nothing that casts has moved" && left.pass.ends_with(".sun");
     }));
   }

@@ -20,7 +20,7 @@ class FrameLightRays : public FrameTest {
     return job;
   }
   struct Drawn {
-    FramePlan plan;
+    std::shared_ptr<const FramePlan> plan;
     Image picture;
   };
   static Drawn drawn(const Job& job) {

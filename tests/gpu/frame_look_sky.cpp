@@ -375,7 +375,7 @@ TEST_F(FrameLookSky, ExposesByTheFramesLuminance) {
   Job none = job;
   none.effects = "none";
   const auto without = open(none, both);
-  EXPECT_EQ(plan_text(render(*without).plan).find("exposure."), std::string::npos);
+  EXPECT_EQ(plan_text(*render(*without).plan).find("exposure."), std::string::npos);
 }
 
 TEST_F(FrameLookSky, TheCommandLineGoesBeforeTheLooksSky) {

@@ -122,7 +122,7 @@ TEST_F(OcclusionCulling, IsLeftOutWhereItDoesNotPay) {
   const auto reason = [](const Job& job) {
     const auto session = open(job);
     const FrameResult result = render(*session);
-    for (const LeftOut& pass : result.left_out)
+    for (const LeftOut& pass : result.plan->left_out)
       if (pass.pass == "occlusion_cull") return pass.reason;
     return std::string();
   };

@@ -259,7 +259,7 @@ TEST_F(FrameProbes, FramesWithoutThemKeepTheirBytes) {
     if (!session) return std::string();
     const FrameResult result = render(*session);
     notes = fmt::format("{}", fmt::join(result.notes, "\n"));
-    return plan_text(result.plan);
+    return plan_text(*result.plan);
   };
   for (const char* effects : {"none", "ibl"}) {
     job.effects = effects, job.look.clear();

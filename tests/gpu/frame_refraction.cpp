@@ -281,7 +281,7 @@ TEST_F(FrameRefraction, SamplesTendToTheTruth) {
 TEST_F(FrameRefraction, IsLeftOutWhereNothingRefracts) {
   GltfBuilder b = dark();
   add_wall(b);
-  const auto plan = [](const Job& job) { return plan_text(render(*open(job)).plan); };
+  const auto plan = [](const Job& job) { return plan_text(*render(*open(job)).plan); };
   EXPECT_NE(plan(seen(b)).find("the scene has no surface that refracts"), std::string::npos);
   add_sheet(b, glass_material({}));
   Job job = seen(b);

@@ -177,7 +177,7 @@ TEST_F(FrameShutter, IsLeftOutWithoutShutterAndLens) {
   const auto session = open(job);
   const FrameResult plain = render(*session, 1);
   for (const PlanPass& pass : plain.plan->passes) EXPECT_FALSE(pass.name.starts_with("subframes")) << pass.name;
-  EXPECT_TRUE(std::ranges::any_of(plain.left_out, [](const LeftOut& p) {
+  EXPECT_TRUE(std::ranges::any_of(plain.plan->left_out, [](const LeftOut& p) {
     return p.pass == "subframes" && p.reason.find("--shutter") != std::string::npos;
   }));
   job.shutter_s = 0;

@@ -74,7 +74,9 @@ TEST(CasterHash, ThereIsNoneOfWhatIsDeformed) {
 namespace {
 // As Content has it, wherever the camera is.
 std::vector<CasterHash> hashes_of(const Content& c) {
-  return caster_hashes(FrameData{}, c.draws, c.upload, c.pose).items;
+  CasterHashes hashes;
+  caster_hashes(FrameData{}, c.draws, c.upload, c.pose, hashes);
+  return {hashes.items.begin(), hashes.items.end()};
 }
 bool same(const CasterHash& a, const CasterHash& b) {
   return a.low == b.low && a.high == b.high && a.deformed == b.deformed;

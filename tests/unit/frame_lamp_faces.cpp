@@ -108,7 +108,7 @@ TEST(LampFaces, TilesNeverOverlapAndLeaveNoGap) {
     std::vector<uint32_t> sizes;
     for (int i = 0; i < 60; ++i) sizes.push_back(64u << rng.next() % 4);
     std::ranges::sort(sizes, std::ranges::greater());
-    const std::vector<LampTile> tiles = pack_lamp_tiles(sizes, 1024);
+    const auto tiles = pack_lamp_tiles(sizes, 1024);
     std::vector<std::vector<bool>> taken;
     uint64_t texels = 0;
     for (size_t i = 0; i < tiles.size(); ++i) {

@@ -37,9 +37,9 @@ void expect_apart(const std::vector<LampTile>& tiles, const std::vector<LampMap>
 }
 
 PlacedLamps placed(const LampPool& before, const std::vector<LampMap>& maps, uint64_t layers = 2) {
-  auto out = place_lamps(before, maps, true, layer_px, layers * layer_bytes);
-  EXPECT_TRUE(out);
-  return out.value_or(PlacedLamps{});
+  PlacedLamps out;
+  EXPECT_TRUE(place_lamps(before, maps, true, layer_px, layers * layer_bytes, out));
+  return out;
 }
 
 }  // namespace
@@ -145,8 +145,10 @@ TEST(LampPool, GrowsWithTheFramesAsFarAsItMay) {
   EXPECT_EQ(placed(b.pool, one, 8).pool.layers, 8u) << "it never shrinks";
   EXPECT_TRUE(placed(b.pool, one, 8).drawn.empty());
   EXPECT_EQ(placed({}, two, 3).pool.layers, 3u);
-  EXPECT_FALSE(place_lamps({}, two, true, layer_px, layer_bytes)) << "two layers do not fit into one";
-  EXPECT_TRUE(place_lamps(b.pool, two, false, layer_px, 8 * layer_bytes)->pool.fresh) << "an image of another kind";
+  PlacedLamps other;
+  EXPECT_FALSE(place_lamps({}, two, true, layer_px, layer_bytes, other)) << "two layers do not fit into one";
+  ASSERT_TRUE(place_lamps(b.pool, two, false, layer_px, 8 * layer_bytes, other));
+  EXPECT_TRUE(other.pool.fresh) << "an image of another kind";
 }
 
 }  // namespace candela

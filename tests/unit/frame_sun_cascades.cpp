@@ -39,12 +39,12 @@ double farthest(glm::dvec2 v) { return std::max(std::abs(v.x), std::abs(v.y)); }
 }  // namespace
 
 TEST(SunCascades, SplitsFollowThePracticalScheme) {
-  const std::vector<double> uniform = cascade_splits(1, 101, 4, 0), logarithmic = cascade_splits(1, 16, 4, 1);
+  const auto uniform = cascade_splits(1, 101, 4, 0), logarithmic = cascade_splits(1, 16, 4, 1);
   for (int i = 0; i < 4; ++i) {
     EXPECT_NEAR(uniform[size_t(i)], 26 + 25 * i, 1e-12);
     EXPECT_NEAR(logarithmic[size_t(i)], std::exp2(i + 1), 1e-12);
   }
-  const std::vector<double> mixed = cascade_splits(1, 16, 4, 0.9);
+  const auto mixed = cascade_splits(1, 16, 4, 0.9);
   EXPECT_NEAR(mixed[1], 0.9 * 4 + 0.1 * 8.5, 1e-12);
   EXPECT_EQ(mixed[3], 16);
 }

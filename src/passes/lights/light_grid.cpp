@@ -7,6 +7,8 @@
 #include <cmath>
 #include <optional>
 
+#include "base/scratch.h"
+
 namespace candela {
 namespace {
 
@@ -211,13 +213,13 @@ class Grid {
 
 // Every light's box in one grid.
 struct Boxes {
-  std::vector<shared::LightBounds> bounds;
-  std::vector<uint32_t> everywhere;
+  ScratchVector<shared::LightBounds> bounds;
+  ScratchVector<uint32_t> everywhere;
   uint64_t covered = 0;
 };
-Boxes boxes_of(const Grid& grid, const std::vector<LightItem>& lights) {
-  std::vector<shared::LightBounds> all(lights.size());
-  std::vector<Grid::Reach> reach(lights.size());
+Boxes boxes_of(const Grid& grid, const std::vector<LightItem>& lights, std::pmr::memory_resource* memory) {
+  ScratchVector<shared::LightBounds> all(lights.size(), memory);
+  ScratchVector<Grid::Reach> reach(lights.size(), memory);
   tbb::parallel_for(tbb::blocked_range<size_t>(0, lights.size(), 1024), [&](const auto& range) {
     for (size_t i = range.begin(); i < range.end(); ++i) {
       reach[i] = grid.bounds_of(lights[i], all[i]);
@@ -225,7 +227,8 @@ Boxes boxes_of(const Grid& grid, const std::vector<LightItem>& lights) {
       if (reach[i] == Grid::Reach::some && grid.is_everywhere(all[i])) reach[i] = Grid::Reach::everything;
     }
   });
-  Boxes boxes;
+  Boxes boxes{ScratchVector<shared::LightBounds>(memory), ScratchVector<uint32_t>(memory)};
+  boxes.bounds.reserve(lights.size());
   for (size_t i = 0; i < lights.size(); ++i) {
     if (reach[i] == Grid::Reach::everything) boxes.everywhere.push_back(uint32_t(i));
     if (reach[i] != Grid::Reach::some) continue;
@@ -316,8 +319,8 @@ MostBoxes most_of(const Grid& grid, const FrameData& data) {
 }
 
 // Lights of every cell, by their places in the frame's list.
-std::vector<uint32_t> unbounded_lights(const FrameData& data) {
-  std::vector<uint32_t> unbounded;
+ScratchVector<uint32_t> unbounded_lights(const FrameData& data, std::pmr::memory_resource* memory) {
+  ScratchVector<uint32_t> unbounded(memory);
   size_t group = 0;
   uint32_t first = 0;
   for (uint32_t i = 0; i < data.lights.size(); ++i) {
@@ -346,13 +349,25 @@ double deepest(const FrameData& data, const shared::FrameConstants& constants) {
   return depth;
 }
 
-std::string refusal(LightGridKind kind, size_t lights, const LightKnobs& knobs, double reach_m, bool perspective) {
-  if (kind == LightGridKind::none) return "the technique walks every light for every pixel";
-  if (lights == 0) return "the scene has no lights";
+void add_refusal(LightGridKind kind, size_t lights, const LightKnobs& knobs, double reach_m, bool perspective, std::string& reason) {
+  if (kind == LightGridKind::none) {
+    reason = "the technique walks every light for every pixel";
+    return;
+  }
+  if (lights == 0) {
+    reason = "the scene has no lights";
+    return;
+  }
   if (lights <= size_t(knobs.few))
-    return fmt::format("{} light{}: each pixel walks all (lights.few)", lights, lights == 1 ? "" : "s");
-  if (!perspective && !std::isfinite(reach_m)) return "an orthographic view of things without bounds";
-  return "";
+    {
+    fmt::format_to(std::back_inserter(reason), "{} light{}: each pixel walks all (lights.few)", lights,
+                   lights == 1 ? "" : "s");
+    return;
+  }
+  if (!perspective && !std::isfinite(reach_m)) {
+    reason = "an orthographic view of things without bounds";
+    return;
+  }
 }
 
 // Two words a cell. With more, walking words costs more than sorting entries does, on CPU and GPU (suite light-lists).
@@ -366,26 +381,37 @@ shared::LightBounds inflated_bounds(const LightItem& light, const shared::FrameC
   return bounds;
 }
 
-LightGrid make_light_grid(LightGridKind kind, const FrameData& data, const shared::FrameConstants& constants,
-                          double farthest_m, double reach_m, const LightKnobs& knobs) {
-  LightGrid out;
+void LightGrid::clear() {
+  constants = {}, dispatch = {};
+  bounds.clear(), chunks.clear(), globals.clear(), note.clear();
+  std::string reason = std::move(shape.reason);  // with its memory
+  reason.clear();
+  shape = {};
+  shape.reason = std::move(reason);
+}
+
+void make_light_grid(LightGridKind kind, const FrameData& data, const shared::FrameConstants& constants,
+                     double farthest_m, double reach_m, const LightKnobs& knobs, LightGrid& out) {
+  out.clear();
   const size_t lights = data.light_count();
   out.shape.knobs = knobs;
-  out.shape.reason = refusal(kind, lights, knobs, reach_m, constants.perspective != 0);
-  if (!out.shape.reason.empty()) return out;
+  add_refusal(kind, lights, knobs, reach_m, constants.perspective != 0, out.shape.reason);
+  if (!out.shape.reason.empty()) return;
   const bool on_device = !data.light_groups.empty();
   const double far_m = std::min(farthest_m, deepest(data, constants));
   const uint64_t words = (lights + 31) / 32, budget = uint64_t(knobs.memory_mb) << 20;
   uint32_t tile_px = kind == LightGridKind::tiles ? 16 : uint32_t(knobs.tile_px);
   for (;; tile_px *= 2) {
     const Grid grid(kind, constants, knobs, tile_px, far_m, reach_m);
-    Boxes boxes = on_device ? Boxes{{}, unbounded_lights(data)} : boxes_of(grid, data.lights);
+    Scratch scratch;
+    const Boxes boxes = on_device ? Boxes{ScratchVector<shared::LightBounds>(&scratch), unbounded_lights(data, &scratch)}
+                                  : boxes_of(grid, data.lights, &scratch);
     const MostBoxes most = on_device ? most_of(grid, data) : MostBoxes{};
     const uint64_t covered = on_device ? most.cells : boxes.covered;
     if (covered == 0) {
       out.shape.reason = boxes.everywhere.empty() ? "no light reaches what the camera sees"
                                                   : "every light that reaches the view covers all of it";
-      return out;
+      return;
     }
     const uint64_t bitmask = grid.cells() * words * 4, compact = covered * 8;
     const auto asked = LightList(knobs.list);
@@ -401,16 +427,17 @@ LightGrid make_light_grid(LightGridKind kind, const FrameData& data, const share
     if (beyond_words) {
       out.shape.reason = "light lists would take more than 16 GiB: each pixel walks all lights";
       out.note = out.shape.reason;
-      return out;
+      return;
     }
     if (tile_px != uint32_t(knobs.tile_px) && kind == LightGridKind::clusters)
-      out.note = fmt::format("light lists take tiles of {} px instead of {} to stay below {} MiB (lights.memory_mb)",
-                             tile_px, knobs.tile_px, knobs.memory_mb);
+      fmt::format_to(std::back_inserter(out.note),
+                     "light lists take tiles of {} px instead of {} to stay below {} MiB (lights.memory_mb)", tile_px,
+                     knobs.tile_px, knobs.memory_mb);
     shared::LightGrid& g = out.constants = grid.constants();
     g.mode = use_compact ? shared::light_mode_compact : shared::light_mode_bitmask;
     g.words = uint32_t(words);
     if (use_compact) {
-      out.globals = boxes.everywhere;
+      out.globals.assign(boxes.everywhere.begin(), boxes.everywhere.end());
     } else if (!boxes.everywhere.empty()) {
       out.globals.assign(words, 0);
       for (const uint32_t light : boxes.everywhere) out.globals[light / 32] |= 1u << (light % 32);
@@ -421,7 +448,7 @@ LightGrid make_light_grid(LightGridKind kind, const FrameData& data, const share
         for (uint64_t first = 0; first < grid.cells_of(boxes.bounds[b], column != 0);
              first += shared::light_chunk_cells)
           out.chunks.push_back({b, uint32_t(first), column});
-    out.bounds = std::move(boxes.bounds);
+    out.bounds.assign(boxes.bounds.begin(), boxes.bounds.end());
     const glm::uvec2 threads = shared::light_threads(out.chunks.size() * shared::light_chunk_cells);
     out.dispatch = {uint32_t(out.chunks.size()), {threads.x / shared::light_group, threads.y, 1}};
     LightGridShape& s = out.shape;
@@ -435,7 +462,7 @@ LightGrid make_light_grid(LightGridKind kind, const FrameData& data, const share
     s.most_chunks = std::bit_ceil(on_device ? uint32_t(most.chunks) : out.dispatch.chunks);
     s.most_bounds = on_device ? std::bit_ceil(uint32_t(most.lights)) : 0;
     s.most_entries = std::bit_ceil(covered);
-    return out;
+    return;
   }
 }
 

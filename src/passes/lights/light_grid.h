@@ -20,6 +20,7 @@ struct LightGrid {
   std::vector<uint32_t> globals;     // lights of every cell: words of a mask, or ascending indices
   LightGridShape shape;
   std::string note;  // for the user; empty mostly
+  void clear();      // as new, but for the tables' memory
 };
 
 // data: its lights as they are uploaded; of those in groups no place is known, but where clusters of them are: then the
@@ -27,8 +28,15 @@ struct LightGrid {
 // can be. constants: the frame's, for the camera's axes as the GPU has them. farthest_m: depth
 // beyond which nothing is drawn, infinity when unknown. reach_m: the largest distance of anything drawn from the
 // camera, likewise.
-LightGrid make_light_grid(LightGridKind kind, const FrameData& data, const shared::FrameConstants& constants,
-                          double farthest_m, double reach_m, const LightKnobs& knobs);
+// grid: whatever it held, its memory is used again.
+void make_light_grid(LightGridKind kind, const FrameData& data, const shared::FrameConstants& constants,
+                     double farthest_m, double reach_m, const LightKnobs& knobs, LightGrid& grid);
+inline LightGrid make_light_grid(LightGridKind kind, const FrameData& data, const shared::FrameConstants& constants,
+                                 double farthest_m, double reach_m, const LightKnobs& knobs) {
+  LightGrid grid;
+  make_light_grid(kind, data, constants, farthest_m, reach_m, knobs, grid);
+  return grid;
+}
 
 // What the GPU's tests get for one light with a range, whatever the grid. For tests.
 shared::LightBounds inflated_bounds(const LightItem& light, const shared::FrameConstants& constants);

@@ -174,8 +174,8 @@ BloomPass::Out BloomPass::declare(GraphBuilder& builder, const In& in) const {
 void BloomPass::record(CommandList& commands, const In& in, const Out& out) const {
   const Steps steps = steps_of(*this, in);
   const uint32_t step = commands.step(), composite = steps.composite();
-  const std::vector<float> weights = weights_of(steps, in.look);
-  const float threshold = float(in.look->threshold) / in.exposure, knee = float(in.look->knee) / in.exposure;
+  const std::vector<float> weights = weights_of(steps, *in.look);
+  const float threshold = float(in.look->threshold) / *in.exposure, knee = float(in.look->knee) / *in.exposure;
   const glm::uvec2 full{in.width_px, in.height_px};
   commands.bind(out.pipelines[step]);
   if (step == composite + 1) {

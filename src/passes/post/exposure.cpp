@@ -50,7 +50,7 @@ void Exposure::record(CommandList& commands, const In& in, const Out& out) const
   commands.bind(out.pipelines[commands.step()]);
   if (commands.step() == 0) {
     commands.push(shared::ExposureCountPush{
-        commands.address(out.counts), commands.sampled(in.color), {in.width_px, in.height_px}, in.scale});
+        commands.address(out.counts), commands.sampled(in.color), {in.width_px, in.height_px}, *in.scale});
     commands.dispatch(in.width_px, (in.height_px + shared::exposure_rows - 1) / shared::exposure_rows);
   } else {
     shared::ExposureMeanPush push{};

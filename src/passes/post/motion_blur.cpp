@@ -66,7 +66,7 @@ void MotionBlur::record(CommandList& commands, const In& in, const Out& out) con
   const glm::uvec2 size(in.scene.width_px, in.scene.height_px);
   commands.bind(out.pipelines[step]);
   // Half of it lies before the frame's time, half after it.
-  const float share = 0.5f * in.share;
+  const float share = 0.5f * *in.share;
   if (step < 2) {
     shared::MotionTilesPush push{};
     push.source = commands.sampled(step == 0 ? in.motion : out.tiles);
@@ -87,7 +87,7 @@ void MotionBlur::record(CommandList& commands, const In& in, const Out& out) con
   push.size_px = size;
   push.side = uint32_t(knobs.most_px), push.samples = uint32_t(knobs.samples);
   push.share = share;
-  push.seed = in.seed;
+  push.seed = *in.seed;
   commands.push(push);
   commands.dispatch(size.x, size.y);
 }

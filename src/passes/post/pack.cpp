@@ -107,7 +107,7 @@ void Pack::record(CommandList& commands, const In& in, const Out& out) const {
   push.layer = step;
   push.size_px = {in.width_px, in.height_px};
   push.corner_px = in.corner_px;
-  push.scale = source.scale;
+  push.scale = *source.scale;
   commands.push(push);
   const uint32_t pixels = pixels_a_thread(form_of(source));
   commands.dispatch((in.width_px + pixels - 1) / pixels, in.height_px);

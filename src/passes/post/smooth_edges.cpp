@@ -67,7 +67,7 @@ void SmoothEdges::record(CommandList& commands, const In& in, const Out& out) co
   push.size_px = {in.width_px, in.height_px};
   push.reach_px = uint32_t(knobs.reach_px);
   push.threshold = knobs.threshold;
-  push.exposure = in.exposure;
+  push.exposure = *in.exposure;
   commands.push(push);
   commands.dispatch(in.width_px, in.height_px);
 }

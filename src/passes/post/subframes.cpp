@@ -46,7 +46,7 @@ void Subframes::record(CommandList& commands, const In& in, const Out& out) cons
   push.fraction = 1.0f / float(in.count);
   push.first_px = in.first_px;
   push.size_px = {in.width_px, in.height_px};
-  push.adds = in.index > 0;
+  push.adds = *in.index > 0;
   commands.push(push);
   commands.dispatch(in.width_px, in.height_px);
 }

@@ -36,11 +36,11 @@ void Tonemap::record(CommandList& commands, const In& in, const Out& out) const 
   push.source = commands.sampled(in.color);
   push.target = commands.storage(out.display);
   push.size_px = {in.width_px, in.height_px};
-  push.exposure = in.exposure;
+  push.exposure = *in.exposure;
   push.dither_levels = in.dither && in.bits == 8 ? 255u : 0u;
-  push.seed = in.seed;
+  push.seed = *in.seed;
   if (in.automatic) push.automatic = commands.address(in.automatic);
-  push.agx_min_ev = in.agx_min_ev, push.agx_max_ev = in.agx_max_ev;
+  push.agx_min_ev = *in.agx_min_ev, push.agx_max_ev = *in.agx_max_ev;
   commands.push(push);
   commands.dispatch_picture(in.width_px, in.height_px);
 }

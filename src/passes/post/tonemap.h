@@ -29,7 +29,7 @@ struct Tonemap {
     uint32_t samples = 1;                     // of the colour; the mean of more is shown
     Live<float> exposure = 1;                      // what is left to apply after pre-exposure
     BufferHandle automatic;                   // optional: a factor on top (passes/post/exposure.h)
-    float agx_min_ev = float(agx_lowest_ev), agx_max_ev = float(agx_highest_ev);
+    Live<float> agx_min_ev = float(agx_lowest_ev), agx_max_ev = float(agx_highest_ev);
   };
   struct Out {
     ImageHandle display;

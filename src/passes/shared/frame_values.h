@@ -43,7 +43,6 @@ class Live {
   }
   const T& operator*() const { return of_frame_ ? *of_frame_ : constant_; }
   const T* operator->() const { return &**this; }
-  operator const T&() const { return **this; }
 
  private:
   T constant_{};

@@ -16,13 +16,25 @@
 namespace candela {
 
 // Whether a frame needs a pass; if not, the reason as a user understands it ("the scene has no blended material").
+class Reason {
+ public:
+  Reason() = default;
+  Reason(const char* literal) : literal_(literal) {}
+  Reason(std::string text) : text_(std::move(text)) {}
+  bool empty() const { return literal_.empty() && text_.empty(); }
+  operator std::string() const { return literal_.empty() ? text_ : std::string(literal_); }
+
+ private:
+  std::string_view literal_;  // which is not copied: passes are asked often
+  std::string text_;
+};
 struct Need {
   bool yes = true;
-  std::string reason;
+  Reason reason;
   explicit operator bool() const { return yes; }
 };
-inline Need needed_if(bool condition, std::string_view otherwise) {
-  return condition ? Need{} : Need{false, std::string(otherwise)};
+inline Need needed_if(bool condition, Reason otherwise) {
+  return condition ? Need{} : Need{false, std::move(otherwise)};
 }
 
 inline Need needed_for_solid_surfaces(const SceneFacts& facts) {

@@ -45,6 +45,12 @@ struct ViewImage {
   uint32_t texel_layers = 0;  // of the places that views are drawn in, where all of them are in one buffer
   uint32_t most_px = 0;       // a view's side, at most
   uint64_t commands = 0;      // of all views, for which there is room
+  void clear() {
+    name.clear(), views.clear(), drawn.clear();
+    size_px = layers = over = texel_layers = most_px = 0;
+    apart = outlives = false;
+    commands = 0;
+  }
 };
 
 inline ImageDesc image_desc(const ViewImage& image, VkFormat format) {

@@ -1,5 +1,6 @@
 #include "passes/surfaces/gbuffer.h"
 
+#include "base/scratch.h"
 #include "passes/shared/features.h"
 
 namespace candela {
@@ -68,7 +69,8 @@ GBuffer::Out GBuffer::declare(GraphBuilder& builder, const In& in) const {
 void GBuffer::record(CommandList& commands, const In& in, const Out& out) const {
   const uint32_t own = out.gbuffer.count - (out.lobes.by_run.empty() ? 0 : lobe_images(in.scene));
   const uint32_t first = commands.step() == 0 ? 0 : own, last = commands.step() == 0 ? own : out.gbuffer.count;
-  std::vector<CommandList::Attachment> colors;
+  Scratch scratch;
+  ScratchVector<CommandList::Attachment> colors(&scratch);
   for (uint32_t i = first; i < last; ++i) colors.push_back({out.gbuffer.images[i]});
   commands.begin_picture(colors, in.depth);
   record_batches(commands, in.scene, in.draws, in.deformed, commands.step() == 0 ? out.own : out.lobes);

@@ -17,6 +17,19 @@ layout(push_constant, scalar) uniform Push { ColoredShadowPush pc; };
 layout(location = 9) in vec2 in_from;
 layout(location = 10) in vec4 in_bends;
 const float most_gathered = 4096.0;  // times the light of the place: sums of many stay halves
+
+// -1 to 1 in the view, of a place in texels.
+vec2 in_view(vec2 texels) { return (texels / float(pc.size_px) - pc.place.zw) / pc.place.xy; }
+// How much of a light's rays a texel has there, over the middle of its view: a lamp's texels are farther off the more
+// aslant it sees them.
+float share_of_light(vec2 ndc) {
+  if (pc.light.w == 0.0) return 1.0;
+  const mat4 m = pc.clip_from_relative;
+  const vec2 tangent = ndc * inversesqrt(vec2(m[0].x * m[0].x + m[1].x * m[1].x + m[2].x * m[2].x,
+                                              m[0].y * m[0].y + m[1].y * m[1].y + m[2].y * m[2].y));
+  const float square = 1.0 / (1.0 + dot(tangent, tangent));
+  return square * sqrt(square);
+}
 #endif
 
 layout(location = 0) out vec4 out_taken;
@@ -44,9 +57,13 @@ void main() {
   const vec3 reflected =
       clamp(s.dielectric_f0 + (s.dielectric_f90 - s.dielectric_f0) * (x2 * x2 * x), vec3(0.0), vec3(1.0));
 #ifdef BENDS
-  const float gathered = min(abs(determinant(mat2(dFdx(in_from), dFdy(in_from)))), most_gathered);
+  const vec2 from = in_view(in_from);
+  const float area = abs(determinant(mat2(dFdx(in_from), dFdy(in_from))));
+  const float gathered =
+      min(area * (share_of_light(from) / share_of_light(in_view(gl_FragCoord.xy))), most_gathered);
   const vec3 tint = glass_tint(glass, s, reflected, fraction, is_body, in_bends.z);
-  const bool lands = in_bends.x > 0.0 && in_bends.y > 0.999 && is_body;
+  // What begins beyond the view is another's, or nobody's: its texels have next to no light each.
+  const bool lands = in_bends.x > 0.0 && in_bends.y > 0.999 && is_body && all(lessThanEqual(abs(from), vec2(1.0)));
   if (!lands || !is_lit(in_from / float(pc.size_px), in_bends.w)) discard;
   out_taken = vec4(tint * (gathered * covered), 0.0);
 #else

@@ -31,6 +31,7 @@ void main() {
       p.plane_normal = triangle_normal(in_plane_position, to_viewer);
       p.on_triangle = onto_triangle(v.relative_position, p.plane_normal, in_plane_position);
       p.at_middle = in_plane_position;
+      round_off(p.plane_normal, p.on_triangle);
     }
   }
 #ifdef LOBES_APART

@@ -38,7 +38,9 @@ void main() {
   const Varyings v = load_varyings();
   const vec3 to_viewer = direction_to_viewer();
 #ifdef DIRECT
-  const vec3 plane_normal = HAS_SHADOWS ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
+  vec3 plane_normal = HAS_SHADOWS ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
+  vec3 surface_point = v.relative_position;
+  round_off(plane_normal, surface_point);
 #endif
   const bool unlit = (m.flags & material_unlit) != 0u;
   const Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
@@ -59,13 +61,13 @@ void main() {
   out_material_id = m.id;
 #endif
 #ifdef DIRECT
-  begin_rays(v.relative_position, plane_normal);
+  begin_rays(surface_point, plane_normal);
   precise vec3 direct = vec3(0.0);
   if (HAS_LIGHTS != 0 && !unlit) {
     const BrdfTerms brdf = brdf_terms(s, to_viewer);
     for (LightWalk w = begin_lights(v.relative_position); next_light(w);) {
       LightRef light = light_at(pc.lights, w.light);
-      vec3 reaching = light_reaching(light, w.light, brdf, v.relative_position, v.relative_position, plane_normal);
+      vec3 reaching = light_reaching(light, w.light, brdf, v.relative_position, surface_point, plane_normal);
       direct += reaching;
     }
   }

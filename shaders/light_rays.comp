@@ -95,7 +95,9 @@ void main() {
           normal = counter_clockwise != ((batch.flags & batch_mirrored) != 0u) ? relief.front : -relief.front;
         }
 #endif
-        begin_rays(position, normal);
+        vec3 surface_point = position;
+        round_off(item, g, corners, p, normal, surface_point);
+        begin_rays(surface_point, normal);
       }
     }
     const vec3 side = rays_side;

@@ -105,13 +105,25 @@ void store3(uint64_t buffer_address, uint word, vec3 v) {
   out_words.f[word + 2u] = v.z;
 }
 
-void store_vertex(uint vertex, vec3 p, vec3 face_normal) {
+// How far the surface may lie above a triangle: of a ball above the middle of an equilateral one, a sixth of what the
+// normals turn by along a side, times that side. More than what roundings may leave of the point below its triangle.
+float lift_of(vec3 p0, vec3 p1, vec3 p2, vec3 n0, vec3 n1, vec3 n2) {
+  const vec3 a = p1 - p0, b = p2 - p1, c = p0 - p2;
+  const float turned = max(dot(a, n1 - n0), max(dot(b, n2 - n1), dot(c, n0 - n2)));
+  const float side = sqrt(max(dot(a, a), max(dot(b, b), dot(c, c))));
+  return max(turned * (1.0 / 6.0), side * (1.0 / 256.0));
+}
+
+// n: the field's; lift: as lib/rounded.glsl has it.
+void store_vertex(uint vertex, vec3 p, vec3 n, float lift) {
   const uint word = first_word(vertex);
   precise vec3 p_m = p * body.cell_m;
   store3(pc.deformed, word, p_m);
   if (HAS_BEFORE != 0) store3(pc.deformed_before, word, place_before(p) * body.cell_m + body.before_shift);
   if (body.normals == absent) return;
-  vec3 n = outwards(p, face_normal);
+  const uint rounded = word + 2u * body.normals + vertex % (3u * chunk_triangles);  // four words each, not three
+  store3(pc.deformed, rounded, n);
+  MetaballVerticesRef(pc.deformed).f[rounded + 3u] = lift;
   if (body.noise_amplitude > 0.0)
     n = turned_normal(n, p * body.noise_frequency + body.noise_origin, body.noise_amplitude);
   store3(pc.deformed, word + body.normals, n);
@@ -155,6 +167,8 @@ void main() {
     const vec3 across = cross(p[1] - p[0], p[2] - p[0]);
     const float area = length(across);
     const vec3 face_normal = area > 0.0 ? across / area : vec3(0.0, 1.0, 0.0);
-    for (uint i = 0u; i < 3u; ++i) store_vertex(3u * triangle + i, p[i], face_normal);
+    const vec3 n0 = outwards(p[0], face_normal), n1 = outwards(p[1], face_normal), n2 = outwards(p[2], face_normal);
+    const float lift = body.cell_m * lift_of(p[0], p[1], p[2], n0, n1, n2);
+    for (uint i = 0u; i < 3u; ++i) store_vertex(3u * triangle + i, p[i], i == 0u ? n0 : i == 1u ? n1 : n2, lift);
   }
 }

@@ -17,11 +17,12 @@ void main() {
   const Material m = load_material(in_ids.x);
   const Varyings v = load_varyings();
   const vec3 to_viewer = direction_to_viewer();
-  const vec3 plane_normal = triangle_normal(in_plane_position, to_viewer);
+  vec3 plane_normal = triangle_normal(in_plane_position, to_viewer);
+  vec3 surface_point = onto_triangle(v.relative_position, plane_normal, in_plane_position);
+  round_off(plane_normal, surface_point);
   if (IS_MASKED != 0 && surface_base_color(m, v).a < m.alpha_cutoff) discard;
-  begin_rays(v.relative_position, plane_normal);
+  begin_rays(surface_point, plane_normal);
   out_open = 1.0;
   if (HAS_OCCLUSION != 0 && (m.flags & material_unlit) == 0u)
-    out_open =
-        occlusion_open(onto_triangle(v.relative_position, plane_normal, in_plane_position), plane_normal).fraction;
+    out_open = occlusion_open(surface_point, plane_normal).fraction;
 }

@@ -31,9 +31,10 @@ void main() {
   // that passed the depth test may lie in a hole, and the kept sample would belong to no triangle.
   const float coverage = IS_MASKED != 0 ? 1.0 : surface_coverage(m, s.alpha);
   const bool in_plane = HAS_SHADOWS || HAS_OCCLUSION != 0;
-  const vec3 plane_normal = in_plane ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
-  const vec3 surface_point = in_plane ? onto_triangle(v.relative_position, plane_normal, in_plane_position)
-                                      : v.relative_position;
+  vec3 plane_normal = in_plane ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
+  vec3 surface_point = in_plane ? onto_triangle(v.relative_position, plane_normal, in_plane_position)
+                                : v.relative_position;
+  round_off(plane_normal, surface_point);
 #ifdef DEEP_SHADOWS
 #if defined(REFRACTION) || defined(GLASS)
   own_absorbance = full_absorbance;

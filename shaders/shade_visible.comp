@@ -62,8 +62,10 @@ vec4 shade_triangle(uint triangle, vec2 place) {
 #ifdef RELIEFS
     if (on_relief) plane_normal = is_front ? relief.front : -relief.front;
 #endif
-    begin_rays(p.position, plane_normal);
-    radiance = surface_radiance(s, brdf_terms(s, to_viewer), p.position, p.position, plane_normal);
+    vec3 surface_point = p.position;
+    round_off(item, g, corners, p, plane_normal, surface_point);
+    begin_rays(surface_point, plane_normal);
+    radiance = surface_radiance(s, brdf_terms(s, to_viewer), p.position, surface_point, plane_normal);
   }
 #ifdef FOG
   return vec4(radiance * frame.pre_exposure * fog.through + fog.light, 1.0);

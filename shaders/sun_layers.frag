@@ -18,10 +18,11 @@ void main() {
   const Material m = load_material(in_ids.x);
   const Varyings v = load_varyings();
   const vec3 to_viewer = direction_to_viewer();
-  const vec3 plane_normal = triangle_normal(in_plane_position, to_viewer);
+  vec3 plane_normal = triangle_normal(in_plane_position, to_viewer), surface_point = v.relative_position;
+  round_off(plane_normal, surface_point);
   const Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
   if (IS_MASKED != 0 && surface_coverage(m, s.alpha) == 0.0) discard;
-  begin_rays(v.relative_position, plane_normal);
+  begin_rays(surface_point, plane_normal);
   out_visibility = 1.0;
   out_cascade = 0.0;
   if (HAS_SUN_SHADOWS != 0 && (m.flags & material_unlit) == 0u) {
@@ -34,7 +35,7 @@ void main() {
       const float weight = dot(light_intensity(light), vec3(0.2126, 0.7152, 0.0722)) * max(dot(s.normal, l), 0.0);
       if (!(weight > 0.0)) continue;
       all += weight;
-      arriving += weight * light_visibility(light, i, v.relative_position, plane_normal);
+      arriving += weight * light_visibility(light, i, surface_point, plane_normal);
     }
     if (all > 0.0) out_visibility = arriving == all ? 1.0 : arriving / all;  // a device may round x / x
     if (SUNS_TRACED) return;

@@ -83,9 +83,10 @@ void main() {
   through_fog = fog_before_through(v.relative_position);
 #endif
   const bool in_plane = HAS_SHADOWS || HAS_OCCLUSION != 0;
-  const vec3 plane_normal = in_plane ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
-  const vec3 surface_point = in_plane ? onto_triangle(v.relative_position, plane_normal, in_plane_position)
-                                      : v.relative_position;
+  vec3 plane_normal = in_plane ? triangle_normal(in_plane_position, to_viewer) : vec3(0.0);
+  vec3 surface_point = in_plane ? onto_triangle(v.relative_position, plane_normal, in_plane_position)
+                                : v.relative_position;
+  round_off(plane_normal, surface_point);
 #ifdef DEEP_SHADOWS
 #if defined(REFRACTION) || defined(GLASS)
   own_absorbance = full_absorbance;

@@ -8,6 +8,10 @@ layout(location = 10) out vec4 out_bends;  // cosine to the light, 1 where the r
 
 vec4 landed(vec2 ndc) { return vec4(ndc, 0.5, 1.0); }  // evenly interpolated
 
+// Of a lamp: so far beyond its view that what the maps have there is another's. Of the triangles that reach over an
+// edge of the view some are kept.
+bool is_beyond(vec2 ndc) { return pc.light.w != 0.0 && any(greaterThan(abs(ndc), vec2(1.25))); }
+
 // From `at` along `inside`: the other side of the body, and its normal towards the inside. Unchanged where the light
 // sees no back face.
 void find_other_side(vec3 at, vec3 inside, vec3 away, inout vec3 exit, inout vec3 normal) {
@@ -38,7 +42,7 @@ vec4 placed() {
   const vec2 ndc = here.xy / here.w;
   out_from = layer_place(ndc) * float(pc.size_px);
   out_bends = vec4(facing, 0.0, 0.0, here.z / here.w);
-  if (!(glass.thickness_m > 0.0) || !(here.w > 0.0)) return landed(ndc);
+  if (!(glass.thickness_m > 0.0) || !(here.w > 0.0) || is_beyond(ndc)) return landed(ndc);
   // A triangle across the outline has corners that look away: there light grazes.
   vec3 normal = normalize_or(out_normal + to_light * max(0.01 - facing, 0.0), to_light);
   const vec3 inside = bent(-to_light, normal, 1.0 / ior);
@@ -50,7 +54,7 @@ vec4 placed() {
   const vec4 from = pc.clip_from_relative * vec4(exit, 1.0), along = pc.clip_from_relative * vec4(leaving, 0.0);
   vec4 at = from;
   for (int i = 0; i < STEPS; ++i) {
-    if (!(at.w > 0.0)) return landed(ndc);
+    if (!(at.w > 0.0) || is_beyond(at.xy / at.w)) return landed(ndc);
     const float depth = opaque_depth(layer_place(at.xy / at.w));
     const float way = max((depth * from.w - from.z) / (along.z - depth * along.w), 0.0);
     if (isnan(way) || isinf(way)) return landed(ndc);  // it leaves the scene

@@ -54,3 +54,11 @@ Varyings load_varyings() {
 }
 #endif
 #include "lib/view_ray.glsl"
+
+#if defined(ROUNDED) && !defined(RELIEF)
+#include "lib/rounded.glsl"
+layout(location = 12) centroid in vec4 in_rounded;
+void round_off(inout vec3 normal, inout vec3 point) { round_off(in_rounded, normal, point); }
+#else
+void round_off(inout vec3 normal, inout vec3 point) {}
+#endif

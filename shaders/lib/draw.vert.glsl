@@ -24,6 +24,10 @@ layout(location = 11) out flat float out_scale;  // world metres to one of the m
 #if defined(STORED) || defined(RELIEF)
 layout(location = 10) out flat uint out_item;  // of the frame, in the order of drawing
 #endif
+#ifdef ROUNDED
+#include "lib/rounded.glsl"
+layout(location = 12) centroid out vec4 out_rounded;
+#endif
 
 void main() {
   const uint v = gl_VertexIndex;
@@ -49,6 +53,9 @@ void main() {
     out_normal = vertex_normal(g, t, v);
     if (HAS_TANGENT) out_tangent = vertex_tangent(g, t, v);
   }
+#ifdef ROUNDED
+  out_rounded = vertex_rounded(g, t, v);
+#endif
   if (HAS_TEXTURES != 0) out_uv0 = vertex_uv0(g, v);
   if (HAS_UV1 != 0) out_uv1 = vertex_uv1(g, v);
   if (HAS_VERTEX_COLOR != 0) out_color = vertex_color(g, v);

@@ -55,6 +55,12 @@ bool find_origin(vec3 position, vec3 normal) {
 #endif
   if (found) {
     rays_from = trace_point(hit);
+#ifdef ROUNDED
+    // Lifted as the point is.
+    if ((trace_item(TraceSceneRef(TRACE_ADDRESS).s, hit.item).flags & trace_rounded) != 0u)
+      rays_from = trace_free_point(rays_from.position + normal * max(dot(position - rays_from.position, normal), 0.0),
+          normal, rays_from.error_m);
+#endif
   } else {  // none of the trees' triangles: a line, a point, or an edge where the rasterizer covers more
     rays_from = trace_free_point(position, normal, 3.8146973e-6 * reach);
   }

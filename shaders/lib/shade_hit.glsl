@@ -14,6 +14,10 @@ struct HitPoint {
   Material m;
   Varyings v;
   vec3 to_viewer;
+#ifdef ROUNDED
+  vec3 surface_point, plane_normal;  // as shadows take them
+  bool is_rounded;
+#endif
   bool is_unlit;
 };
 HitPoint hit_point(TraceHit hit, TraceRay along, float pixel_m, float cone) {
@@ -45,6 +49,12 @@ HitPoint hit_point(TraceHit hit, TraceRay along, float pixel_m, float cone) {
   h.v = lit_varyings(item, g, corners, p);
 #endif
   h.to_viewer = -along.direction;
+#ifdef ROUNDED
+  h.surface_point = h.v.relative_position;
+  h.plane_normal = dot(p.plane, along.direction) < 0.0 ? p.plane : -p.plane;
+  round_off(item, g, corners, p, h.plane_normal, h.surface_point);
+  h.is_rounded = (g.flags & geometry_rounded) != 0u;
+#endif
   h.is_unlit = (h.m.flags & material_unlit) != 0u || g.normal == absent;
   const float turned = max(length(h.v.normal_across), length(h.v.normal_down));
   facets_disc = min(0.5 * cone + turned * cone * hit.t / max(width_m, 1e-30), MOST_DISC);
@@ -56,6 +66,18 @@ Surface hit_surface(HitPoint h, TraceHit hit) {
 // begin_rays_at() goes before.
 vec3 lit_hit(HitPoint h, Surface s) {
   const vec3 at = h.v.relative_position;
+#ifdef ROUNDED
+  if (h.is_rounded) {
+    const TracePoint on_triangle = rays_from;
+    const vec3 side = rays_side;
+    rays_from = trace_free_point(h.surface_point, h.plane_normal, on_triangle.error_m);
+    rays_side = h.plane_normal;
+    const vec3 radiance = surface_radiance(s, brdf_terms(s, h.to_viewer), at, h.surface_point, rays_side);
+    rays_from = on_triangle;
+    rays_side = side;
+    return radiance;
+  }
+#endif
   return surface_radiance(s, brdf_terms(s, h.to_viewer), at, at, rays_side);
 }
 vec3 hit_radiance(TraceHit hit, TraceRay along, float pixel_m, float cone) {

@@ -114,6 +114,17 @@ Varyings lit_varyings(Item item, Geometry g, Corners c, TrianglePoint p) {
   return v;
 }
 
+#ifdef ROUNDED
+#include "lib/rounded.glsl"
+void round_off(Item item, Geometry g, Corners c, TrianglePoint p, inout vec3 normal, inout vec3 point) {
+  const Transform t = TransformsRef(frame.transforms).t[item.transform];
+  round_off(p.weights.x * vertex_rounded(g, t, c.v.x) + p.weights.y * vertex_rounded(g, t, c.v.y) +
+      p.weights.z * vertex_rounded(g, t, c.v.z), normal, point);
+}
+#else
+void round_off(Item item, Geometry g, Corners c, TrianglePoint p, inout vec3 normal, inout vec3 point) {}
+#endif
+
 #ifdef RELIEFS
 // Of a point of a relief: its weights may be those of a place beside the triangle, where textures go on, and what else
 // the corners have ends at the edge.

@@ -48,6 +48,7 @@ SHARED_END
 #ifdef __cplusplus
 namespace candela::shared {
 inline constexpr uint metaball_threads = 64, metaball_scan_threads = 256;
+inline constexpr uint rounded_words = 4;  // of each vertex, behind the normals (lib/rounded.glsl)
 // Workgroups beyond what one dimension of a dispatch takes on every device go to the second.
 inline uvec2 metaball_block_threads(uint blocks) {
   const uint row = blocks < 65535 ? blocks : 65535;

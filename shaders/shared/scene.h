@@ -27,6 +27,7 @@ struct Place {
 
 // Where a section's vertices lie, in 4-byte words from FrameConstants.vertices; the first three from the deformed
 // buffer instead when flags has geometry_deformed. Positions, normals: 3 words a vertex; tangents, colours: 4; UVs: 2.
+// geometry_rounded: polygons of metaballs, with more behind their normals (lib/rounded.glsl).
 struct Geometry {
   uint position, normal, tangent, uv0, uv1, color;
   uint flags;
@@ -121,7 +122,7 @@ SHARED_END
 
 #ifdef __cplusplus
 namespace candela::shared {
-enum : uint { geometry_deformed = 1u };
+enum : uint { geometry_deformed = 1u, geometry_rounded = 2u };
 enum : uint {
   material_masked = 1u,
   material_double_sided = 2u,
@@ -147,7 +148,7 @@ static_assert(offsetof(FrameConstants, pre_exposure) == 424 && offsetof(FrameCon
               sizeof(FrameConstants) == 1976);
 }  // namespace candela::shared
 #else
-const uint geometry_deformed = 1u;
+const uint geometry_deformed = 1u, geometry_rounded = 2u;
 const uint material_masked = 1u, material_double_sided = 2u, material_unlit = 4u, material_orm_occlusion = 8u,
            material_orm_metallic_roughness = 16u, material_blended = 32u, material_blinn_phong = 64u,
            material_exponent_texture = 128u, material_relief_ends = 256u;

@@ -12,14 +12,14 @@ inline constexpr uint no_trace = 0xffffffffu;
 inline constexpr uint trace_leaf_bit = 0x80000000u, trace_leaf_shift = 26;
 inline constexpr uint trace_asked = 0x80000000u, trace_block = 4;
 inline constexpr uint trace_masked = 1, trace_blended = 2, trace_glows = 4, trace_mirrored = 8, trace_refracts = 16,
-                      trace_single = 32, trace_relief_bit = 64;  // of TraceItem; single: light passes from behind
+                      trace_single = 32, trace_relief_bit = 64, trace_rounded = 128;  // of TraceItem
 #else
 const uint trace_table_align = 256u;
 const uint no_trace = 0xffffffffu;
 const uint trace_leaf_bit = 0x80000000u, trace_leaf_shift = 26u;
 const uint trace_asked = 0x80000000u, trace_block = 4u;
 const uint trace_masked = 1u, trace_blended = 2u, trace_glows = 4u, trace_mirrored = 8u, trace_refracts = 16u,
-           trace_single = 32u, trace_relief_bit = 64u;
+           trace_single = 32u, trace_relief_bit = 64u, trace_rounded = 128u;
 #endif
 
 // Where the tables begin, in units of trace_table_align bytes.
@@ -56,7 +56,7 @@ struct TraceTriangle {
 };
 
 struct TraceItem {    // parallel to FrameData::items
-  uint flags;         // trace_...; single: light passes it from behind
+  uint flags;         // trace_...; single: light passes it from behind; rounded: as geometry_rounded
   uint material;      // among the frame's
   uint first_corner;  // no_trace: coverage needs none
 };

@@ -275,6 +275,7 @@ class LayOut {
       out.material = uint32_t(material ? size_t(item.material) : pose_.materials.size());
       out.first_corner = first_corner_[i];
       out.flags = item.mirrored ? shared::trace_mirrored : 0;
+      if (trees_.section_of(item).metaballs >= 0) out.flags |= shared::trace_rounded;
       if (material) {
         if (material->alpha_mode == AlphaMode::mask) out.flags |= shared::trace_masked;
         if (has_relief(trees_.section_of(item), *material)) out.flags |= shared::trace_relief_bit;
@@ -291,7 +292,7 @@ class LayOut {
     }
   }
   uint32_t named(uint32_t item) const {
-    const bool asks = table<const shared::TraceItem>(rays_, head_.items)[item].flags != 0;
+    const bool asks = (table<const shared::TraceItem>(rays_, head_.items)[item].flags & ~shared::trace_rounded) != 0;
     return item | (asks ? shared::trace_asked : 0);
   }
 

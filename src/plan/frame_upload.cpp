@@ -39,6 +39,8 @@ void add_deformation(const Scene& scene, const Deformation& d, const SectionLayo
   g.position = take(true, 3);
   const Material* material = section.material >= 0 ? &scene.materials[size_t(section.material)] : nullptr;
   g.normal = take(d.body >= 0 ? !is_unlit(section, material) : l.normal != shared::absent, 3);
+  if (d.body >= 0 && take(g.normal != shared::absent, shared::rounded_words) != shared::absent)
+    g.flags |= shared::geometry_rounded;
   g.tangent = take(l.tangent != shared::absent, 4);
   upload.geometries.push_back(g);
   if (d.body >= 0) return;  // made by passes/geometry/metaballs.h

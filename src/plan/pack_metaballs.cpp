@@ -24,7 +24,7 @@ void add_metaballs(const FrameData& data, const DrawList& draws, FrameUpload& up
     const shared::Geometry& first = upload.geometries[first_geometry + body.first_deformation];
     out.positions = first.position;
     out.normals = first.normal == shared::absent ? shared::absent : first.normal - first.position;
-    out.chunk_words = 3 * metaball_chunk_triangles * (first.normal == shared::absent ? 3 : 6);
+    out.chunk_words = 3 * metaball_chunk_triangles * (first.normal == shared::absent ? 3 : 6 + shared::rounded_words);
     out.chunk_count = body.chunks;
     // The chunks are drawn one after another: they are alike but for which they are.
     const auto is_first = [&](uint32_t item) { return data.items[item].deformed == int(body.first_deformation); };

@@ -1,6 +1,7 @@
 // Bodies of metaballs in whole frames: every technique, beside instances that the device poses, from frame to frame.
 #include "frame_fixture.h"
 #include "instances_fixture.h"
+#include "testscenes/make_scene.h"
 
 namespace candela::test::frame_metaballs {
 namespace {
@@ -88,6 +89,25 @@ TEST_F(FrameMetaballs, TakeAnyMaterial) {
     Job without = job_of(write(bare));
     EXPECT_FALSE(with["beauty"] == images_of(without, {}, 0.5)["beauty"]) << mode << lets_through;
   }
+}
+
+// A body of glass that reaches beyond a side of a lamp's cube, where texels of that side hold next to no light: the
+// floor in front of it gets no more than comes in.
+TEST_F(FrameMetaballs, BendNoMoreLightThanComesIn) {
+  const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / "candela_metaballs_glass.glb";
+  ASSERT_TRUE(make_scene("metaballs-glass", 1, 0, file));
+  const auto light_of_floor = [&](const char* scale) {
+    Job job = job_for(file, 96, 72);
+    job.settings = {{"colored_shadows", "scale", scale}, {"sun", "mode", "off"}};
+    const Image beauty = images_of(job)["beauty"];
+    double sum = 0;
+    for (int y = 60; y < 72; ++y)
+      for (int x = 0; x < 96; ++x) sum += beauty.at<glm::vec4>(x, y).y;
+    return sum;
+  };
+  const double bent = light_of_floor("half"), plain = light_of_floor("off");
+  fmt::print("{:.3f} of the light without bodies that bend it\n", bent / plain);
+  EXPECT_NEAR(bent / plain, 1, 0.1);
 }
 
 // The first item of a body stands somewhere in the order of drawing, among groups of instances that the device poses.

@@ -29,7 +29,9 @@ std::vector<PosedBall> random_balls(uint64_t seed, size_t count) {
 class Metaballs : public PassTest {
  protected:
   struct Made {
-    std::vector<std::vector<glm::vec3>> positions, normals, before;  // of each body, as many as its items say
+    // Of each body, as many as its items say.
+    std::vector<std::vector<glm::vec3>> positions, normals, before;
+    std::vector<std::vector<glm::vec4>> rounded;  // normals without noise, lifts
   };
 
   // Bodies one after another in all buffers, as plan/frame_upload.cpp has them; items hold nothing but their counts.
@@ -40,7 +42,8 @@ class Metaballs : public PassTest {
     std::vector<shared::MetaballBlock> blocks;
     std::vector<uint32_t> lists;
     uint32_t words = 0, items = 0;
-    constexpr uint32_t positions = 9 * metaball_chunk_triangles;
+    constexpr uint32_t positions = 9 * metaball_chunk_triangles,
+                       words_each = 2 * positions + 3 * metaball_chunk_triangles * shared::rounded_words;
     for (size_t b = 0; b < bodies.size(); ++b) {
       const PosedMetaballs& body = bodies[b];
       shared::MetaballBody row{};
@@ -48,7 +51,7 @@ class Metaballs : public PassTest {
       row.first_ball = uint32_t(balls.size()), row.ball_count = uint32_t(body.balls.size());
       row.threshold = float(body.threshold), row.cell_m = float(body.lattice.cell_m);
       row.noise_amplitude = float(body.noise_amplitude), row.noise_frequency = 1;
-      row.positions = words, row.normals = positions, row.chunk_words = 2 * positions;
+      row.positions = words, row.normals = positions, row.chunk_words = words_each;
       row.chunk_count = body.chunks, row.first_item = items, row.before_threshold = row.threshold;
       for (const MetaballBlock& block : body.lattice.blocks)
         blocks.push_back({block.first_cell.x, block.first_cell.y, block.first_cell.z,
@@ -62,7 +65,7 @@ class Metaballs : public PassTest {
         for (const LatticeBall& ball : lattice_balls(there))
           before.push_back({{ball.centre, ball.inverse_square_radius, ball.strength}, 0});
       }
-      words += body.chunks * 2 * positions, items += body.chunks;
+      words += body.chunks * words_each, items += body.chunks;
       rows.push_back(row);
     }
     const Buffer row_buffer = upload(rows, "bodies"), ball_buffer = upload(balls, "balls"),
@@ -95,14 +98,18 @@ class Metaballs : public PassTest {
     Made made;
     for (const shared::MetaballBody& row : rows) {
       std::vector<glm::vec3> p, n, q;
+      std::vector<glm::vec4> r;
       for (uint32_t c = 0; c < row.chunk_count; ++c)
         for (uint32_t v = 0; v < drawn[row.first_item + c].index_count; ++v) {
           const size_t at = row.positions + c * row.chunk_words + 3 * v, normal = at + row.normals;
           p.push_back({all[at], all[at + 1], all[at + 2]});
           n.push_back({all[normal], all[normal + 1], all[normal + 2]});
+          const size_t lift = row.positions + c * row.chunk_words + 2 * positions + 4 * v;
+          r.push_back({all[lift], all[lift + 1], all[lift + 2], all[lift + 3]});
           if (!old.empty()) q.push_back({old[at], old[at + 1], old[at + 2]});
         }
       made.positions.push_back(p), made.normals.push_back(n), made.before.push_back(q);
+      made.rounded.push_back(r);
     }
     return made;
   }
@@ -150,6 +157,36 @@ TEST_F(Metaballs, NoiseTurnsNormalsByABoundedAngle) {
   }
   EXPECT_LT(most, 0.7854);
   EXPECT_GT(most, 0.2);
+}
+
+// What shadows are asked of: normals without noise, and points that the lift brings above the surface, but not far.
+TEST_F(Metaballs, LiftedPointsAreAboveTheSurface) {
+  PosedMetaballs body = body_of(random_balls(7, 6), 0.2, 0.1);
+  const Made plain = polygons({body});
+  body.noise_amplitude = 0.5;
+  const Made turned = polygons({body});
+  size_t within = 0, triangles = 0;
+  for (size_t v = 0; v < plain.positions[0].size(); v += 3, ++triangles) {
+    const float lift = turned.rounded[0][v].w;
+    glm::vec3 middle(0), normal(0);
+    for (size_t k = v; k < v + 3; ++k) {
+      ASSERT_EQ(glm::vec3(turned.rounded[0][k]), plain.normals[0][k]);
+      ASSERT_EQ(turned.rounded[0][k].w, lift);
+      middle += plain.positions[0][k] / 3.0f, normal += plain.normals[0][k] / 3.0f;
+    }
+    ASSERT_GT(lift, 0);
+    ASSERT_LT(lift, 0.1 * std::sqrt(3.0) * 2 / 6);  // no turn is larger than of opposite normals
+    const glm::dvec3 p = glm::dvec3(middle + lift * glm::normalize(normal)) + body.lattice.origin_m();
+    double field = -body.threshold;
+    for (const PosedBall& ball : body.balls) {
+      const glm::dvec3 d = (p - ball.centre) / ball.radius_m;
+      const double u = std::max(1 - glm::dot(d, d), 0.0);
+      field += ball.strength * u * u * u;
+    }
+    within += field > 0;
+  }
+  EXPECT_GT(triangles, 1000u);
+  EXPECT_LT(within, triangles / 100) << triangles;
 }
 
 // A body that has moved as a whole: every vertex was where it is now, less the way.

@@ -1,33 +1,24 @@
 // The layers beside beauty, from the GPU and from the reference: one sample at the centre of each pixel, of the same
 // surface.
-#include "render/reference_layers.h"
+#include "reference_layer_pairs.h"
 
 #include <set>
-
-#include "reference_parity.h"
-#include "render/outputs.h"
 
 namespace candela::test {
 namespace {
 
-struct LayerPair {
-  FloatImage gpu, reference;
-  int w() const { return reference.width; }
-  int h() const { return reference.height; }
-  const std::vector<uint32_t>& ids(const FloatImage& image, const char* layer) const { return image.find(layer)->u; }
-  bool same_surface(size_t a, size_t b) const {  // the GPU's at a, the reference's at b
-    return ids(gpu, "object_id.X")[a] == ids(reference, "object_id.X")[b] &&
-           ids(gpu, "material_id.X")[a] == ids(reference, "material_id.X")[b];
-  }
-  // Calls see(pixel) for the pixels about one.
-  template <class See>
-  void around(size_t pixel, See&& see) const {
-    const int x = int(pixel) % w(), y = int(pixel) / w();
-    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, h() - 1); ++j)
-      for (int i = std::max(x - 1, 0); i <= std::min(x + 1, w() - 1); ++i)
-        if (i != x || j != y) see(size_t(j) * size_t(w()) + size_t(i));
-  }
-};
+bool same_surface(const LayerPair& p, size_t a, size_t b) {  // the GPU's at a, the reference's at b
+  return p.ids(p.gpu, "object_id.X")[a] == p.ids(p.reference, "object_id.X")[b] &&
+         p.ids(p.gpu, "material_id.X")[a] == p.ids(p.reference, "material_id.X")[b];
+}
+// Calls see(pixel) for the pixels about one.
+template <class See>
+void around(const LayerPair& p, size_t pixel, See&& see) {
+  const int x = int(pixel) % p.w(), y = int(pixel) / p.w();
+  for (int j = std::max(y - 1, 0); j <= std::min(y + 1, p.h() - 1); ++j)
+    for (int i = std::max(x - 1, 0); i <= std::min(x + 1, p.w() - 1); ++i)
+      if (i != x || j != y) see(size_t(j) * size_t(p.w()) + size_t(i));
+}
 
 struct Bound {
   std::string channel;
@@ -40,22 +31,22 @@ double share_of_change(const LayerPair& p, const Bound& bound, size_t i) {
   const std::vector<float>&a = p.reference.find(bound.channel)->f, &b = p.gpu.find(bound.channel)->f;
   const double scale = bound.channel == "depth.Z" ? a[i] : std::max(*std::max_element(a.begin(), a.end()), 1.0f);
   double change = 0;
-  p.around(i, [&](size_t k) { change = std::max(change, std::abs(double(a[k]) - a[i]) / scale); });
+  around(p, i, [&](size_t k) { change = std::max(change, std::abs(double(a[k]) - a[i]) / scale); });
   return (std::abs(double(b[i]) - a[i]) / scale - bound.floor) / std::max(change, 1e-12);
 }
 
 bool agrees(const LayerPair& p, const std::vector<Bound>& bounds, size_t i) {
-  return p.same_surface(i, i) && std::all_of(bounds.begin(), bounds.end(),
-                                             [&](const Bound& b) { return share_of_change(p, b, i) <= b.fraction; });
+  return same_surface(p, i, i) && std::all_of(bounds.begin(), bounds.end(),
+                                              [&](const Bound& b) { return share_of_change(p, b, i) <= b.fraction; });
 }
 
 // Where a sample of the GPU met another surface than the reference's: an edge or a crease runs by the centre of the
 // pixel, or exactly through it. Then the reference, in a pixel beside this one, shows what the GPU has here.
 bool is_seen_beside(const LayerPair& p, const std::vector<Bound>& bounds, size_t i) {
   bool beside = false;
-  p.around(i, [&](size_t k) {
-    if (p.same_surface(i, k) && !p.same_surface(i, i)) beside = true;  // another object, as its ids say
-    beside |= p.same_surface(i, k) && std::all_of(bounds.begin(), bounds.end(), [&](const Bound& b) {
+  around(p, i, [&](size_t k) {
+    if (same_surface(p, i, k) && !same_surface(p, i, i)) beside = true;  // another object, as its ids say
+    beside |= same_surface(p, i, k) && std::all_of(bounds.begin(), bounds.end(), [&](const Bound& b) {
                 const std::vector<float>& a = p.reference.find(b.channel)->f;
                 const double seen = p.gpu.find(b.channel)->f[i], there = std::abs(a[k] - seen),
                              here = std::abs(a[i] - seen);
@@ -68,23 +59,12 @@ bool is_seen_beside(const LayerPair& p, const std::vector<Bound>& bounds, size_t
 
 }  // namespace
 
-class ReferenceLayers : public ReferenceParity {
+class ReferenceLayers : public ReferenceLayerPairs {
  protected:
-  static LayerPair layers_of(Job job, double time_s) {
-    job.exr_float = true;
-    job.layers = surface_layer_names();
-    job.layers.push_back("motion");
-    LayerPair out;
-    const auto session = open(job);
-    const auto reference = open_reference(job, time_s, {});
-    EXPECT_TRUE(session && reference);
-    if (!session || !reference) return out;
-    EXPECT_TRUE(add_time_before(**reference, job, job.layers));
-    NonFinite nonfinite;
-    out.gpu = linear_image(render(*session, time_s), job, *session, std::nullopt, {}, nonfinite);
-    out.reference = reference_image(reference::Film(job.width_px, job.height_px), **reference, job, "{}", job.layers,
-                                    std::nullopt, {});
-    return out;
+  static LayerPair layers_of(const Job& job, double time_s) {
+    std::vector<std::string> layers = surface_layer_names();
+    layers.push_back("motion");
+    return ReferenceLayerPairs::layers_of(job, time_s, std::move(layers));
   }
 };
 
@@ -111,7 +91,7 @@ TEST_F(ReferenceLayers, AgreeOnGeneratedScenes) {
         EXPECT_LE(share_of_change(p, bound, i), bound.fraction)
             << at << ": " << bound.channel << " is " << p.gpu.find(bound.channel)->f[i] << " for "
             << p.reference.find(bound.channel)->f[i];
-      EXPECT_TRUE(p.same_surface(i, i)) << at;
+      EXPECT_TRUE(same_surface(p, i, i)) << at;
     }
     EXPECT_GT(surfaces, 100u);
     fmt::print("{}: {} pixels at edges of {} with a surface\n", name, edges, surfaces);
@@ -131,7 +111,7 @@ TEST_F(ReferenceLayers, AgreeOnMotion) {
     const std::vector<float>&z = p.gpu.find("depth.Z")->f, &zr = p.reference.find("depth.Z")->f;
     size_t same = 0, moving = 0;
     for (size_t i = 0; i < z.size(); ++i) {
-      if (!p.same_surface(i, i) || std::abs(double(z[i]) - zr[i]) > 1e-5 * zr[i]) continue;
+      if (!same_surface(p, i, i) || std::abs(double(z[i]) - zr[i]) > 1e-5 * zr[i]) continue;
       ++same;
       bool moves = false;
       for (const char* channel : {"motion.X", "motion.Y"}) {

@@ -1,39 +1,22 @@
 // Polygons of metaballs against the surface itself, which the reference meets: error over the size of cells.
 #include "passes/geometry/metaballs.h"
-#include "reference_parity.h"
-#include "render/outputs.h"
-#include "render/reference_layers.h"
+#include "reference_layer_pairs.h"
 
 namespace candela::test {
 
-class ReferenceMetaballs : public ReferenceParity {
+class ReferenceMetaballs : public ReferenceLayerPairs {
  protected:
   static constexpr double time_s = 17.0 / 24;
   static Job job_of(const std::string& cell) {
     Job job = job_for(one_lamp(scene("metaballs"), Light::kept), 2 * width, 2 * height);
     job.settings.push_back({"metaballs", "cell", cell});
-    job.exr_float = true;
     return job;
   }
-  struct Layers {
-    FloatImage gpu, reference;
-  };
-  static Layers layers_of(Job job) {
-    job.layers = {"depth", "normal", "object_id", "material_id", "motion"};
-    Layers out;
-    const auto session = open(job);
-    const auto reference = open_reference(job, time_s, {});
-    EXPECT_TRUE(session && reference);
-    if (!session || !reference) return out;
-    EXPECT_TRUE(add_time_before(**reference, job, job.layers));
-    NonFinite nonfinite;
-    out.gpu = linear_image(render(*session, time_s), job, *session, std::nullopt, {}, nonfinite);
-    out.reference = reference_image(reference::Film(job.width_px, job.height_px), **reference, job, "{}", job.layers,
-                                    std::nullopt, {});
-    return out;
+  static LayerPair layers_of(const Job& job) {
+    return ReferenceLayerPairs::layers_of(job, time_s, {"depth", "normal", "object_id", "material_id", "motion"});
   }
   // Root mean square over what both show of the body, not at its outline; 1: over how much depth it stretches.
-  static double rms(const Layers& p, const std::vector<std::string>& channels, size_t& pixels) {
+  static double rms(const LayerPair& p, const std::vector<std::string>& channels, size_t& pixels) {
     const std::vector<uint32_t>&id = p.gpu.find("object_id.X")->u, &idr = p.reference.find("object_id.X")->u;
     const std::vector<float>& z = p.reference.find("depth.Z")->f;
     const int w = p.reference.width, h = p.reference.height;
@@ -61,7 +44,7 @@ TEST_F(ReferenceMetaballs, ErrorsFallWithTheSquareOfTheCell) {
   };
   std::vector<Errors> all;
   for (const char* cell : {"4", "2", "1", "0.5"}) {
-    const Layers layers = layers_of(job_of(cell));
+    const LayerPair layers = layers_of(job_of(cell));
     size_t pixels = 0;
     Errors e{};
     e.depth_m = rms(layers, {"depth.Z"}, pixels);
@@ -76,13 +59,56 @@ TEST_F(ReferenceMetaballs, ErrorsFallWithTheSquareOfTheCell) {
     }
     all.push_back(e);
   }
-  EXPECT_LT(all.back().depth_m, 2.5e-4);
+  EXPECT_LT(all.back().depth_m, 2e-4);
   EXPECT_LT(all.back().relmse, 1e-3);
+}
+
+// Where the surface turns away from a light, shadows are those of the surface, not of facets that turn away before it
+// does: of what the body shows, next to nothing is dark that the reference has lit, by maps and by rays.
+TEST_F(ReferenceMetaballs, ShadowsEndWithTheSurface) {
+  Job job = job_of("2");
+  const LayerPair layers = layers_of(job);
+  const std::vector<uint32_t>& id = layers.gpu.find("object_id.X")->u;
+  const uint32_t body = id[size_t(height) * size_t(2 * width) + size_t(width)];
+  job.settings.push_back({"lights", "floor_lux", "0"});
+  job.samples = 1;
+  auto frame = open_reference(job, time_s, {});
+  ASSERT_TRUE(frame);
+  reference::TraceSettings settings;
+  settings.ambient = reference::Ambient::occlusion;
+  settings.sampler = {reference::SamplerKind::uniform, 1, 0};
+  reference::Film film(job.width_px, job.height_px);
+  film.add(reference::Integrator(*(*frame)->world, settings, job.width_px, job.height_px), 1,
+           [](double) { return true; });
+  for (const bool traced : {false, true})
+    for (const char* technique : {"clustered", "deferred-clustered", "visibility"}) {
+      Job drawn = job;
+      drawn.technique = technique;
+      if (traced) drawn.settings.push_back({"sun", "mode", "traced"});
+      if (traced) drawn.settings.push_back({"local", "method", "traced"});
+      const Images images = images_of(drawn, {}, time_s);
+      size_t pixels = 0, dark = 0, bright = 0;
+      for (int y = 1; y + 1 < job.height_px; ++y)
+        for (int x = 1; x + 1 < job.width_px; ++x) {
+          const size_t i = size_t(y) * size_t(job.width_px) + size_t(x);
+          bool inside = true;
+          for (const size_t k : {i, i - 1, i + 1, i - size_t(job.width_px), i + size_t(job.width_px)})
+            inside &= id[k] == body;
+          if (!inside) continue;
+          const double is = images["beauty"].at<glm::vec4>(x, y).y, of = film.mean(i).y;
+          ++pixels, dark += is < 0.5 * of - 0.005, bright += of < 0.5 * is - 0.005;
+        }
+      fmt::print("{} {}: of {} pixels {} too dark, {} too bright\n", technique, traced ? "traced" : "maps", pixels,
+                 dark, bright);
+      EXPECT_GT(pixels, 800u);
+      EXPECT_LE(dark, pixels / 500) << technique << traced;
+      EXPECT_LE(bright, pixels / 500) << technique << traced;
+    }
 }
 
 // The motion of the surface: the reference's is of the field in double. What differs is where the points lie.
 TEST_F(ReferenceMetaballs, AgreeOnMotion) {
-  const Layers layers = layers_of(job_of("0.5"));
+  const LayerPair layers = layers_of(job_of("0.5"));
   size_t pixels = 0;
   const double off_px = rms(layers, {"motion.X", "motion.Y"}, pixels);
   double largest = 0;

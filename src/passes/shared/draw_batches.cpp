@@ -65,6 +65,7 @@ BatchPipelines declare_batches(GraphBuilder& builder, const SceneInputs& scene, 
     if (!run.relief && !sends_rays(desc.constants)) leave_out_reliefs(desc.constants);
     desc.fragment_shader += surface_definitions(desc.constants);
     if (scatters_in_bodies(desc.constants)) desc.vertex_shader += "#SCATTERS=1";
+    if (rounds_off(desc.constants)) desc.vertex_shader += "#ROUNDED=1";
     if (run.relief) draw_relief(desc);
     pipelines.by_run.push_back(builder.pipeline(desc));
   }

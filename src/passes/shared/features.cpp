@@ -38,7 +38,11 @@ SpecConstant constant(Feature f, uint32_t value = 1) {
                                       "SPECULAR_AA",
                                       "RAY_QUERY",
                                       "LIGHT_VOXELS"};
-  return {uint32_t(f), f == Feature::relief ? "RELIEF_SEARCH" : names[uint32_t(f)], value};
+  return {uint32_t(f),
+          f == Feature::relief    ? "RELIEF_SEARCH"
+          : f == Feature::rounded ? "ROUNDED"
+                                  : names[uint32_t(f)],
+          value};
 }
 bool concerns_base_color(const SpecConstant& c) {
   switch (Feature(c.id)) {
@@ -78,6 +82,7 @@ std::vector<SpecConstant> scene_features(const SceneFacts& facts, bool ambient) 
   add(ambient, Feature::ambient);
   add(facts.emissive, Feature::emission);
   add(facts.any_blinn_phong, Feature::blinn_phong);
+  add(facts.metaball_chunks > 0, Feature::rounded);
   add(facts.any_base_texture || facts.any_orm_texture || facts.any_occlusion_texture || facts.any_normal_texture ||
           facts.any_emissive_texture || facts.any_specular_texture || facts.any_relief || facts.lobe_textures != 0,
       Feature::textures);
@@ -127,6 +132,11 @@ bool mirrors_sky(const std::vector<SpecConstant>& constants) {
                      [](const SpecConstant& c) { return Feature(c.id) == Feature::ibl_method && c.value >> 8 != 0; });
 }
 bool shades_lobes(const std::vector<SpecConstant>& constants) { return holds(constants, Feature::lobes); }
+bool rounds_off(const std::vector<SpecConstant>& constants) {
+  return holds(constants, Feature::rounded) &&
+         (holds(constants, Feature::sun_shadows) || holds(constants, Feature::lamp_shadows) ||
+          holds(constants, Feature::occlusion));
+}
 bool scatters_in_bodies(const std::vector<SpecConstant>& constants) {
   return std::any_of(constants.begin(), constants.end(), [](const SpecConstant& c) {
     return Feature(c.id) == Feature::lobes && (c.value & shared::lobe_scattering) != 0;
@@ -142,7 +152,8 @@ std::string surface_definitions(const std::vector<SpecConstant>& constants) {
   return std::string(sends_rays(constants) ? "#TRACES=1" : "") +
          (holds(constants, Feature::ray_query) ? "#TRACE_QUERY=1" : "") +
          (holds(constants, Feature::light_voxels) ? "#VOXELS=1" : "") + (shades_lobes(constants) ? "#LOBED=1" : "") +
-         (scatters_in_bodies(constants) ? "#SCATTERS=1" : "") + (meets_reliefs(constants) ? "#RELIEFS=1" : "");
+         (scatters_in_bodies(constants) ? "#SCATTERS=1" : "") + (meets_reliefs(constants) ? "#RELIEFS=1" : "") +
+         (rounds_off(constants) ? "#ROUNDED=1" : "");
 }
 
 std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map, int mirror_taps) {

@@ -39,7 +39,8 @@ enum class Feature : uint32_t {
   specular_aa,
   ray_query,  // of no shader: what asks the device is compiled apart (surface_definitions)
   light_voxels,
-  relief = 34,  // 30 to 33 are the rasterizer's
+  relief = 34,   // 30 to 33 are the rasterizer's
+  rounded = 35,  // of no shader, as ray_query
 };
 
 // The scene-wide constants. Absent features are not listed: the shader's default is 0.
@@ -71,6 +72,7 @@ std::vector<SpecConstant> ray_constants(uint32_t stack, bool blended, bool by_qu
 bool sends_rays(const std::vector<SpecConstant>& constants);          // those are among them
 bool mirrors_sky(const std::vector<SpecConstant>& constants);         // smooth surfaces, by what pixels show of it
 bool shades_lobes(const std::vector<SpecConstant>& constants);        // visible materials have lobes (shared/lobes.h)
+bool rounds_off(const std::vector<SpecConstant>& constants);          // shadows or openness of rounded polygons
 bool scatters_in_bodies(const std::vector<SpecConstant>& constants);  // one of them does (lib/scattering.glsl)
 // Those that a surface's base colour depends on.
 std::vector<SpecConstant> base_color_constants(const std::vector<SpecConstant>& features);

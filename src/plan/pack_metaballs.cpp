@@ -35,9 +35,12 @@ void add_metaballs(const FrameData& data, const DrawList& draws, FrameUpload& up
         draws.spans, [&](const DrawSpan& s) { return s.group < 0 && s.source <= place && place < s.source + s.count; });
     CHECK(span != draws.spans.end());
     out.first_item = span->first + place - span->source;
-    for (const LatticeBall& ball : lattice_balls(body))
+    for (const PosedBall& posed : body.balls) {
+      const LatticeBall ball = lattice_ball(posed, lattice);
       upload.metaballs.push_back({ball.centre, ball.inverse_square_radius, ball.strength});
+    }
     const uint32_t lists = uint32_t(upload.metaball_lists.size()), index = uint32_t(upload.metaball_bodies.size());
+    upload.metaball_blocks.reserve(upload.metaball_blocks.size() + lattice.blocks.size());
     for (const MetaballBlock& block : lattice.blocks)
       upload.metaball_blocks.push_back(
           {block.first_cell.x, block.first_cell.y, block.first_cell.z, lists + block.first, block.count, index});
@@ -61,12 +64,11 @@ void add_metaballs_before(const FrameData& now, const FrameData& before, FrameUp
     shared::MetaballBody& out = upload.metaball_bodies[drawn++];
     out.before_shift = glm::vec3(body.lattice.origin_m() - then.lattice.origin_m());
     out.before_threshold = float(then.threshold);
-    PosedMetaballs there = body;
-    there.balls = then.balls;
-    const std::vector<LatticeBall> balls = lattice_balls(there);
-    for (size_t i = 0; i < balls.size(); ++i)
-      upload.metaballs_before.push_back({{balls[i].centre, balls[i].inverse_square_radius, balls[i].strength},
+    for (size_t i = 0; i < body.balls.size(); ++i) {
+      const LatticeBall ball = lattice_ball(then.balls[i], body.lattice);
+      upload.metaballs_before.push_back({{ball.centre, ball.inverse_square_radius, ball.strength},
                                          float(1 - then.balls[i].radius_m / body.balls[i].radius_m)});
+    }
   }
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numeric>
 
 #include "scene/deformation_bounds.h"
 #include "scene/pose.h"
@@ -20,11 +19,6 @@ constexpr float least_along = 1.0f / 4096;   // of an edge, before and behind a 
 constexpr double most_reach_cells = 0x1p20;  // of vertices from the lattice's origin, for floats
 constexpr uint64_t triangles_of_cell = 6 * 2;
 
-double kernel(double q) {
-  const double u = 1 - q * q;
-  return q < 1 ? u * u * u : 0;
-}
-
 // How much a kernel's slope changes at most over a change of q where what is left of 1 - q^2 is in a range: its second
 // derivatives are 6 u^2 across and 24 u - 30 u^2 along the radius.
 double most_bent(double u_low, double u_high) {
@@ -33,20 +27,27 @@ double most_bent(double u_low, double u_high) {
   return std::max({6 * u_high * u_high, along(u_low), along(u_high), largest});
 }
 
+double cube(double u) { return u * u * u; }
+
+// A ball as the search for blocks takes it, in cells.
+struct BoxedBall {
+  glm::dvec3 centre;
+  double inverse_radius, strength;
+};
+
 // The least and greatest value that a sum of kernels may have in a box: where each takes its own, and by the slope in
 // the middle and how much that may change.
 class Range {
  public:
   Range(glm::dvec3 low, glm::dvec3 high) : middle_(0.5 * (low + high)), half_(0.5 * (high.x - low.x)) {}
-  // q: in radii, of the box's points nearest to the centre and farthest from it.
-  void add(const LatticeBall& ball, double inverse_radius, double nearest_q, double farthest_q) {
-    const double s = ball.strength, most = kernel(nearest_q), least = kernel(farthest_q);
+  // u: what is left of 1 - q^2, at least 0, in the box's points nearest to the centre and farthest from it.
+  void add(const BoxedBall& ball, double nearest_u, double farthest_u) {
+    const double s = ball.strength, most = cube(nearest_u), least = cube(farthest_u);
     low_ += s * (s > 0 ? least : most), high_ += s * (s > 0 ? most : least);
-    const glm::dvec3 d = inverse_radius * (middle_ - glm::dvec3(ball.centre));
+    const glm::dvec3 d = ball.inverse_radius * (middle_ - ball.centre);
     const double u = std::max(1 - glm::dot(d, d), 0.0);
-    value_ += s * u * u * u, slope_ -= 6 * s * u * u * inverse_radius * d;
-    bent_ += std::abs(s) * inverse_radius * inverse_radius *
-             most_bent(std::max(1 - farthest_q * farthest_q, 0.0), 1 - nearest_q * nearest_q);
+    value_ += s * u * u * u, slope_ -= 6 * s * u * u * ball.inverse_radius * d;
+    bent_ += std::abs(s) * ball.inverse_radius * ball.inverse_radius * most_bent(farthest_u, nearest_u);
     magnitude_ += std::abs(s), ++count_;
     any_positive_ |= s > 0;
   }
@@ -67,72 +68,76 @@ class Range {
   bool any_positive_ = false;
 };
 
+LatticeBall in_cells(const PosedBall& ball, double cell_m, glm::dvec3 origin_m) {
+  const double radius = ball.radius_m / cell_m;
+  return {glm::vec3((ball.centre - origin_m) / cell_m), float(1 / (radius * radius)), float(ball.strength)};
+}
+
+// The blocks of a lattice that the surface may touch. What it works on is kept by each thread, so that a frame like the
+// one before allocates nothing.
 class Blocks {
  public:
-  Blocks(const std::vector<LatticeBall>& balls, float threshold, MetaballLattice& out)
-      : balls_(balls), threshold_(threshold), out_(out) {}
-
   // False: there are too many.
-  bool fill(int blocks_across) {
-    std::vector<uint32_t> all(balls_.size());
-    std::iota(all.begin(), all.end(), 0u);
-    visit(glm::ivec3(0), cells * int(std::bit_ceil(unsigned(std::max(blocks_across, 1)))), all);
+  bool fill(std::span<const PosedBall> balls, double threshold, int blocks_across, MetaballLattice& out) {
+    threshold_ = double(float(threshold)), out_ = &out, fits_ = true;
+    balls_.clear(), near_.clear();
+    const glm::dvec3 origin_m = out.origin_m();
+    for (const PosedBall& ball : balls) {
+      const LatticeBall b = in_cells(ball, out.cell_m, origin_m);
+      near_.push_back(uint32_t(balls_.size()));
+      balls_.push_back({glm::dvec3(b.centre), std::sqrt(double(b.inverse_square_radius)), double(b.strength)});
+    }
+    visit(glm::ivec3(0), cells * int(std::bit_ceil(unsigned(std::max(blocks_across, 1)))), 0, near_.size());
     return fits_;
   }
 
  private:
-  // In Morton order, which depends on the balls and the cell alone.
-  void visit(glm::ivec3 first_cell, int size, const std::vector<uint32_t>& above) {
-    std::vector<uint32_t> near;
-    if (!fits_ || !may_cross(first_cell, size, above, near)) return;
+  // In Morton order, which depends on the balls and the cell alone. begin, end: of near_, the balls that may touch what
+  // is around; its own go behind them, and away again.
+  void visit(glm::ivec3 first_cell, int size, size_t begin, size_t end) {
+    if (fits_ && may_cross(first_cell, size, begin, end)) enter(first_cell, size, end);
+    near_.resize(end);
+  }
+  void enter(glm::ivec3 first_cell, int size, size_t begin) {
     if (size == 2) {
-      out_.most_triangles += 8 * triangles_of_cell;
+      out_->most_triangles += 8 * triangles_of_cell;
       return;
     }
+    const size_t end = near_.size();
     if (size == cells) {
-      if (out_.blocks.size() == most_metaball_blocks) {
+      if (out_->blocks.size() == most_metaball_blocks) {
         fits_ = false;
         return;
       }
-      out_.blocks.push_back({first_cell, uint32_t(out_.ball_lists.size()), uint32_t(near.size())});
-      out_.ball_lists.insert(out_.ball_lists.end(), near.begin(), near.end());
+      out_->blocks.push_back({first_cell, uint32_t(out_->ball_lists.size()), uint32_t(end - begin)});
+      for (size_t i = begin; i < end; ++i) out_->ball_lists.push_back(near_[i]);
     }
     for (int child = 0; child < 8; ++child)
-      visit(first_cell + glm::ivec3(child & 1, child >> 1 & 1, child >> 2) * (size / 2), size / 2, near);
+      visit(first_cell + glm::ivec3(child & 1, child >> 1 & 1, child >> 2) * (size / 2), size / 2, begin, end);
   }
 
-  bool may_cross(glm::ivec3 first_cell, int size, const std::vector<uint32_t>& above,
-                 std::vector<uint32_t>& near) const {
+  bool may_cross(glm::ivec3 first_cell, int size, size_t begin, size_t end) {
     const glm::dvec3 low(first_cell), high(first_cell + size);
     Range sum(low, high);
-    for (const uint32_t i : above) {
-      const glm::dvec3 c(balls_[i].centre);
-      const double q = std::sqrt(double(balls_[i].inverse_square_radius)), s = balls_[i].strength;
-      const double nearest = q * glm::length(glm::max(glm::max(low - c, c - high), glm::dvec3(0)));
+    for (size_t k = begin; k < end; ++k) {
+      const BoxedBall& ball = balls_[near_[k]];
+      const glm::dvec3 to = glm::max(glm::max(low - ball.centre, ball.centre - high), glm::dvec3(0));
+      const double square = ball.inverse_radius * ball.inverse_radius, nearest = square * glm::dot(to, to);
       // What rounds beyond the support contributes nothing that is told from 0.
-      if (!(nearest < 1 + 1e-6) || s == 0) continue;
-      const double farthest = q * glm::length(glm::max(glm::abs(low - c), glm::abs(high - c)));
-      sum.add(balls_[i], q, std::min(nearest, 1.0), farthest);
-      near.push_back(i);
+      if (!(nearest < (1 + 1e-6) * (1 + 1e-6)) || ball.strength == 0) continue;
+      const glm::dvec3 far = glm::max(glm::abs(low - ball.centre), glm::abs(high - ball.centre));
+      sum.add(ball, std::max(1 - nearest, 0.0), std::max(1 - square * glm::dot(far, far), 0.0));
+      near_.push_back(near_[k]);
     }
-    return sum.may_cross(double(threshold_));
+    return sum.may_cross(threshold_);
   }
 
-  const std::vector<LatticeBall>& balls_;
-  float threshold_;
-  MetaballLattice& out_;
+  std::vector<BoxedBall> balls_;
+  std::vector<uint32_t> near_;
+  double threshold_ = 0;
+  MetaballLattice* out_ = nullptr;
   bool fits_ = true;
 };
-
-std::vector<LatticeBall> in_cells(std::span<const PosedBall> balls, const MetaballLattice& lattice) {
-  std::vector<LatticeBall> out;
-  for (const PosedBall& ball : balls) {
-    const double radius = ball.radius_m / lattice.cell_m;
-    out.push_back({glm::vec3((ball.centre - lattice.origin_m()) / lattice.cell_m), float(1 / (radius * radius)),
-                   float(ball.strength)});
-  }
-  return out;
-}
 
 // What follows is the arithmetic of shaders/lib/metaballs.glsl: sums, differences and products, which every device
 // rounds alike, in the same order.
@@ -266,18 +271,23 @@ class Block {
 
 }  // namespace
 
-std::vector<PosedBall> pose_metaballs(const Metaballs& body, const Pose& pose) {
+void pose_metaballs(const Metaballs& body, const Pose& pose, std::vector<PosedBall>& kept) {
   const glm::dmat4& world_from_node = pose.world_from_node[size_t(body.node)];
   const glm::dmat4 node_from_world = glm::inverse(world_from_node);
-  std::vector<PosedBall> out;
+  kept.clear();
+  kept.reserve(body.balls.size());
   for (const Metaball& ball : body.balls) {
     PosedBall posed{glm::dvec3(node_from_world * pose.world_from_node[size_t(ball.node)][3]), double(ball.radius_m),
                     double(ball.strength)};
     const bool there = pose.node_visible[size_t(ball.node)] && is_finite_affine(node_from_world) &&
                        glm::length(posed.centre) < 1e15 && posed.radius_m > 0;
     if (!there) posed = {};
-    out.push_back(posed);
+    kept.push_back(posed);
   }
+}
+std::vector<PosedBall> pose_metaballs(const Metaballs& body, const Pose& pose) {
+  std::vector<PosedBall> out;
+  pose_metaballs(body, pose, out);
   return out;
 }
 
@@ -308,26 +318,45 @@ DAabb drawn_metaball_bounds(std::span<const PosedBall> balls, double threshold, 
   return box;
 }
 
-MetaballLattice make_metaball_lattice(std::span<const PosedBall> balls, double threshold, double cell_m) {
+void lay_out_metaballs(std::span<const PosedBall> balls, double threshold, double cell_m, MetaballLattice& kept) {
+  static thread_local Blocks work;
   const DAabb box = metaball_bounds(balls, threshold);
-  MetaballLattice lattice;
-  lattice.cell_m = cell_m;
-  if (box.empty() || !(cell_m > 0) || !is_finite(box)) return lattice;
-  for (;; cell_m *= 2, lattice.enlarged = true) {
+  const auto clear = [&] {
+    kept.blocks.clear(), kept.ball_lists.clear();
+    kept.most_triangles = 0;
+  };
+  clear();
+  kept.cell_m = cell_m, kept.origin_cell = glm::i64vec3(0), kept.enlarged = false;
+  if (box.empty() || !(cell_m > 0) || !is_finite(box)) return;
+  for (;; cell_m *= 2, kept.enlarged = true) {
     const glm::dvec3 size = (box.max - box.min) / cell_m, far = glm::max(glm::abs(box.min), glm::abs(box.max)) / cell_m;
     if (std::max({size.x, size.y, size.z}) > most_reach_cells || std::max({far.x, far.y, far.z}) > 0x1p52) continue;
-    lattice.cell_m = cell_m, lattice.blocks.clear(), lattice.ball_lists.clear(), lattice.most_triangles = 0;
+    clear();
+    kept.cell_m = cell_m;
     // A cell more: vertices of float fields lie that near what is bounded.
     const glm::dvec3 first = glm::floor((box.min / cell_m - 1.0) / double(cells)),
                      last = glm::floor((box.max / cell_m + 1.0) / double(cells));
-    lattice.origin_cell = glm::i64vec3(first) * glm::i64vec3(cells);
+    kept.origin_cell = glm::i64vec3(first) * glm::i64vec3(cells);
     const glm::dvec3 across = last - first + 1.0;
-    if (Blocks(in_cells(balls, lattice), float(threshold), lattice).fill(int(std::max({across.x, across.y, across.z}))))
-      return lattice;
+    if (work.fill(balls, threshold, int(std::max({across.x, across.y, across.z})), kept)) return;
   }
 }
+MetaballLattice make_metaball_lattice(std::span<const PosedBall> balls, double threshold, double cell_m) {
+  // Found in what the thread keeps, so that nothing grows step by step.
+  static thread_local MetaballLattice work;
+  lay_out_metaballs(balls, threshold, cell_m, work);
+  return work;
+}
 
-std::vector<LatticeBall> lattice_balls(const PosedMetaballs& body) { return in_cells(body.balls, body.lattice); }
+LatticeBall lattice_ball(const PosedBall& ball, const MetaballLattice& lattice) {
+  return in_cells(ball, lattice.cell_m, lattice.origin_m());
+}
+std::vector<LatticeBall> lattice_balls(const PosedMetaballs& body) {
+  std::vector<LatticeBall> out;
+  out.reserve(body.balls.size());
+  for (const PosedBall& ball : body.balls) out.push_back(lattice_ball(ball, body.lattice));
+  return out;
+}
 
 std::vector<glm::vec3> polygonise(const PosedMetaballs& body) {
   const std::vector<LatticeBall> balls = lattice_balls(body);

@@ -60,6 +60,8 @@ inline constexpr size_t most_metaball_blocks = 4096;
 
 // Balls in the space of the body's node; those that are hidden, or whose places are no numbers, have strength 0.
 std::vector<PosedBall> pose_metaballs(const Metaballs& body, const Pose& pose);
+// Into what is kept from frame to frame: as many balls as before allocate nothing.
+void pose_metaballs(const Metaballs& body, const Pose& pose, std::vector<PosedBall>& kept);
 // The cell where the file says nothing: an eighth of the median radius.
 double default_metaball_cell_m(const Metaballs& body);
 
@@ -68,6 +70,8 @@ DAabb metaball_bounds(std::span<const PosedBall> balls, double threshold);
 // The same about the polygons of a lattice, whose vertices lie up to a cell off; where there is nothing, a point.
 DAabb drawn_metaball_bounds(std::span<const PosedBall> balls, double threshold, double cell_m);
 MetaballLattice make_metaball_lattice(std::span<const PosedBall> balls, double threshold, double cell_m);
+// The same into what is kept: no more blocks than before allocate nothing.
+void lay_out_metaballs(std::span<const PosedBall> balls, double threshold, double cell_m, MetaballLattice& kept);
 
 // The polygons as the device makes them (shaders/metaballs_emit.comp), bit for bit: three vertices a triangle, in the
 // lattice's space. Marching tetrahedra: each cell is cut into six about its diagonal (Freudenthal), of which those that
@@ -81,6 +85,7 @@ struct LatticeBall {
   glm::vec3 centre;
   float inverse_square_radius, strength;
 };
+LatticeBall lattice_ball(const PosedBall& ball, const MetaballLattice& lattice);
 std::vector<LatticeBall> lattice_balls(const PosedMetaballs& body);
 
 }  // namespace candela

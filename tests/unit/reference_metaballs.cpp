@@ -156,6 +156,33 @@ TEST(Metaballs, BlocksLeaveNothingOut) {
   EXPECT_NEAR(Mesh(some).volume(), Mesh(all).volume(), 1e-6);
 }
 
+// What is laid out into what another frame left is the same as from nothing, and needs no more memory.
+TEST(Metaballs, LatticesAreLaidOutIntoWhatIsKept) {
+  Rng rng(11);
+  const std::vector<PosedBall> first = random_balls(rng, 6), second = random_balls(rng, 5);
+  MetaballLattice kept;
+  lay_out_metaballs(first, 0.2, 0.06, kept);
+  const MetaballBlock* const blocks = kept.blocks.data();
+  const size_t room = kept.blocks.capacity(), list_room = kept.ball_lists.capacity();
+  const auto expect_same = [&](const std::vector<PosedBall>& balls, double threshold, double cell_m) {
+    lay_out_metaballs(balls, threshold, cell_m, kept);
+    const MetaballLattice alone = make_metaball_lattice(balls, threshold, cell_m);
+    EXPECT_EQ(kept.blocks, alone.blocks);
+    EXPECT_EQ(kept.ball_lists, alone.ball_lists);
+    EXPECT_EQ(kept.most_triangles, alone.most_triangles);
+    EXPECT_EQ(kept.origin_cell, alone.origin_cell);
+    EXPECT_EQ(kept.cell_m, alone.cell_m);
+    EXPECT_EQ(kept.enlarged, alone.enlarged);
+  };
+  expect_same(second, 0.3, 0.1);
+  expect_same({}, 0.3, 0.1);
+  expect_same(first, 100, 0.1);
+  expect_same(first, 0.2, 0.06);
+  EXPECT_EQ(kept.blocks.data(), blocks);
+  EXPECT_EQ(kept.blocks.capacity(), room);
+  EXPECT_EQ(kept.ball_lists.capacity(), list_room);
+}
+
 // Blocks follow the surface, not the space: their number grows by four where that of all blocks grows by eight.
 TEST(Metaballs, EmptyBlocksCostNothing) {
   std::vector<PosedBall> far = {{{0, 0, 0}, 1, 1}, {{1000, 0, 0}, 1, 1}};

@@ -5,8 +5,13 @@
 namespace candela {
 namespace {
 
-constexpr DemoScene table[] = {
+const DemoScene table[] = {
     {.name = "street-dusk", .make = make_street_dusk, .sky = make_dusk_sky},
+    {.name = "city",
+     .make = make_city,
+     .sky = make_city_day_sky,
+     .night_sky = make_city_night_sky,
+     .look = city_look()},
 };
 
 }  // namespace

@@ -11,11 +11,18 @@
 namespace candela {
 
 void make_street_dusk(GlbWriter& out, SceneOptions& options);
+void make_city(GlbWriter& out, SceneOptions& options);
+std::vector<std::byte> make_city_day_sky(uint64_t seed);
+std::vector<std::byte> make_city_night_sky(uint64_t seed);
+std::string_view city_look();
 
 struct DemoScene {
   std::string_view name;
   void (*make)(GlbWriter&, SceneOptions&);
-  std::vector<std::byte> (*sky)(uint64_t seed) = nullptr;  // a Radiance HDR
+  // Radiance HDRs; a film's look blends both.
+  std::vector<std::byte> (*sky)(uint64_t seed) = nullptr;
+  std::vector<std::byte> (*night_sky)(uint64_t seed) = nullptr;
+  std::string_view look{};  // SCENE stands for the name of the scene's file without its end
 };
 // Null for an unknown name.
 const DemoScene* find_demo_scene(std::string_view name);

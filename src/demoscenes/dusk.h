@@ -59,6 +59,8 @@ struct Building {
   Paint wall, trim;
   double ground_m = 4.3, floor_m = 3.3;
   int shop_signs = 1;
+  // What closes it besides the facade: MeshKit::left, right and back, and top for the roof.
+  unsigned closed = MeshKit::left | MeshKit::right | MeshKit::back | MeshKit::top;
 };
 // What a facade puts into the street besides itself.
 struct Facade {
@@ -66,6 +68,10 @@ struct Facade {
   MeshKit lights;  // panes, shop windows and signs of all buildings
   // Neighbours have other shops and signs.
   int next_shop = 0, next_lying_sign = 0, next_standing_sign = 0;
+  // Materials that windows take by turns, each the rooms' atlas; empty: Materials::rooms.
+  std::vector<int> rooms{};
+  size_t next_room = 0;
+  int room_material(const Materials& m) { return rooms.empty() ? m.rooms : rooms[next_room++ * 7 % rooms.size()]; }
 };
 // Puts a building with its facade's middle at `at`, facing the way +Z turns to. Signs and shops come with lights.
 void add_building(const Building& b, glm::dvec3 at, double turn_rad, const Materials& m, const BuildingKit& kit,
@@ -77,8 +83,12 @@ enum CarKind { saloon, hatchback, van, taxi, car_kinds };
 struct Car {
   int mesh;
   double head_x, head_y, front_z, tail_x, tail_y, back_z;
+  double wheel_x, front_axle, back_axle, wheel_m;  // where wheels stand, and their radius
 };
-Car make_car(GlbWriter& out, const Materials& m, CarKind kind, glm::dvec3 color, bool lit);
+// Without wheels it has the arches over them alone, for wheels that turn.
+Car make_car(GlbWriter& out, const Materials& m, CarKind kind, glm::dvec3 color, bool lit, bool with_wheels = true);
+// A wheel of a car's right side about its own middle.
+int make_wheel(GlbWriter& out, const Materials& m, double radius);
 
 // --- dusk_nature.cpp: trees, and people with umbrellas
 

@@ -272,17 +272,18 @@ void add_building(const Building& b, glm::dvec3 at, double turn_rad, const Mater
                    : int(rng.next() % dark_rooms);
       }
       const Cell cell = cell_of(room_columns, room_rows, room);
-      facade.lights.quad({m.rooms}, {x, y, -reveal_m}, {window.width, 0, 0}, {0, window.height, 0}, cell.corner,
-                         cell.far);
+      facade.lights.quad({facade.room_material(m)}, {x, y, -reveal_m}, {window.width, 0, 0}, {0, window.height, 0},
+                         cell.corner, cell.far);
     }
     rows.push_back(std::move(row));
   }
   wall_with_rows(walls, b.wall, {-half, b.ground_m}, {half, roof}, 0, rows);
   // The other three walls and the roof, with a parapet around it.
-  walls.quad(b.wall, {half, 0, 0}, {0, 0, -b.depth}, {0, roof + 0.9, 0});
-  walls.quad(b.wall, {-half, 0, -b.depth}, {0, 0, b.depth}, {0, roof + 0.9, 0});
-  walls.quad(b.wall, {half, 0, -b.depth}, {-b.width, 0, 0}, {0, roof + 0.9, 0});
-  walls.quad(m.matte.tinted(glm::dvec3(0.05)), {-half, roof, 0}, {b.width, 0, 0}, {0, 0, -b.depth});
+  if (b.closed & MeshKit::right) walls.quad(b.wall, {half, 0, 0}, {0, 0, -b.depth}, {0, roof + 0.9, 0});
+  if (b.closed & MeshKit::left) walls.quad(b.wall, {-half, 0, -b.depth}, {0, 0, b.depth}, {0, roof + 0.9, 0});
+  if (b.closed & MeshKit::back) walls.quad(b.wall, {half, 0, -b.depth}, {-b.width, 0, 0}, {0, roof + 0.9, 0});
+  if (b.closed & MeshKit::top)
+    walls.quad(m.matte.tinted(glm::dvec3(0.05)), {-half, roof, 0}, {b.width, 0, 0}, {0, 0, -b.depth});
   const unsigned strip = MeshKit::all & ~unsigned(MeshKit::back);
   walls.box(b.wall, {-half, roof, -0.3}, {half, roof + 0.9, 0}, MeshKit::front | MeshKit::back | MeshKit::top);
   walls.box(b.trim, {-half - 0.06, roof + 0.9, -0.36}, {half + 0.06, roof + 1.02, 0.08}, MeshKit::all);
@@ -343,7 +344,7 @@ void add_building(const Building& b, glm::dvec3 at, double turn_rad, const Mater
   // A downpipe at the edge.
   walls.tube(m.metal.tinted(glm::dvec3(0.3)), {half - 0.12, 0, 0.12}, 0.055, {half - 0.12, roof - 0.1, 0.12}, 0.055, 6);
 
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < 4 && b.closed & MeshKit::top; ++i) {
     const int mesh = kit.roof_things[size_t(rng.next() % kit.roof_things.size())];
     const double x = rng.uniform(-half + 1.6, half - 1.6), z = rng.uniform(-5.5, -1.8);
     instances.add(mesh, world({x, roof, z}), turn_rad + (rng.next() % 2 ? 0.0 : 1.5707963267948966));

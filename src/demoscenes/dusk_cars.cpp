@@ -142,25 +142,37 @@ void add_cabin(MeshKit& kit, const Materials& m, const Paint& paint, const Cabin
   pillar(c.foot_back - 0.18, c.roof_back - 0.05, 0.95, 0.07);
 }
 
-void add_wheel(MeshKit& kit, const Materials& m, double x, double z, double radius) {
-  const Paint tyre = m.matte.tinted(glm::dvec3(0.015)), rim = m.chrome.tinted(glm::dvec3(0.5));
+const glm::dvec3 tyre_color(0.015);
+
+// The arch is a dark disc that stands out from the body by a hair.
+void add_arch(MeshKit& kit, const Materials& m, double x, double z, double radius) {
   const double out = x < 0 ? -1 : 1;
-  // The arch is a dark disc that stands out from the body by a hair.
-  kit.tube(tyre.tinted(glm::dvec3(0.4)), {x - out * 0.02, radius + 0.03, z}, radius + 0.07,
+  kit.tube(m.matte.tinted(tyre_color * 0.4), {x - out * 0.02, radius + 0.03, z}, radius + 0.07,
            {x + out * 0.012, radius + 0.03, z}, radius + 0.05, 18, true);
-  kit.tube(tyre, {x - out * 0.1, radius, z}, radius, {x + out * 0.03, radius, z}, radius * 0.97, 18, true);
-  kit.tube(rim, {x, radius, z}, radius * 0.66, {x + out * 0.036, radius, z}, radius * 0.62, 14, true);
-  kit.tube(tyre, {x, radius, z}, radius * 0.5, {x + out * 0.038, radius, z}, radius * 0.5, 12, true);
+}
+
+void add_wheel(MeshKit& kit, const Materials& m, double x, double y, double z, double radius) {
+  const Paint tyre = m.matte.tinted(tyre_color), rim = m.chrome.tinted(glm::dvec3(0.5));
+  const double out = x < 0 ? -1 : 1;
+  kit.tube(tyre, {x - out * 0.1, y, z}, radius, {x + out * 0.03, y, z}, radius * 0.97, 18, true);
+  kit.tube(rim, {x, y, z}, radius * 0.66, {x + out * 0.036, y, z}, radius * 0.62, 14, true);
+  kit.tube(tyre, {x, y, z}, radius * 0.5, {x + out * 0.038, y, z}, radius * 0.5, 12, true);
   for (int i = 0; i < 5; ++i) {
     const double angle = 2 * pi * i / 5;
-    const glm::dvec3 way(0, std::cos(angle), std::sin(angle)), centre(x + out * 0.036, radius, z);
+    const glm::dvec3 way(0, std::cos(angle), std::sin(angle)), centre(x + out * 0.036, y, z);
     kit.tube(rim, centre, 0.045, centre + way * radius * 0.58, 0.03, 5);
   }
 }
 
 }  // namespace
 
-Car make_car(GlbWriter& out, const Materials& m, CarKind kind, glm::dvec3 color, bool lit) {
+int make_wheel(GlbWriter& out, const Materials& m, double radius) {
+  MeshKit kit;
+  add_wheel(kit, m, 0, 0, 0, radius);
+  return kit.write(out, "wheel");
+}
+
+Car make_car(GlbWriter& out, const Materials& m, CarKind kind, glm::dvec3 color, bool lit, bool with_wheels) {
   const Profile& p = profile_of(kind);
   const Paint paint = m.car_paint.tinted(color), dark = m.matte.tinted(glm::dvec3(0.02));
   MeshKit kit;
@@ -174,9 +186,13 @@ Car make_car(GlbWriter& out, const Materials& m, CarKind kind, glm::dvec3 color,
   }
   const double side = p.body[4].half + 0.005;
   for (double x : {-side, side})
-    for (double z : {p.front_axle, p.back_axle}) add_wheel(kit, m, x, z, p.wheel);
+    for (double z : {p.front_axle, p.back_axle}) {
+      add_arch(kit, m, x, z, p.wheel);
+      if (with_wheels) add_wheel(kit, m, x, p.wheel, z, p.wheel);
+    }
   const Section &front = p.body[1], &back = p.body[8];
-  Car car{0, 0.56, front.shoulder - 0.02, p.body[0].z, 0.6, back.shoulder - 0.1, p.body[9].z};
+  Car car{0,           0.56, front.shoulder - 0.02, p.body[0].z, 0.6,    back.shoulder - 0.1,
+          p.body[9].z, side, p.front_axle,          p.back_axle, p.wheel};
   if (kind == van) car.head_x = car.tail_x = 0.7;
   // Lamps stand on the corners of the shell. Unlit ones are glass.
   for (double x : {-1.0, 1.0}) {

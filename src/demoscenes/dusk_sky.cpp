@@ -43,7 +43,11 @@ glm::dvec3 dusk_sky_radiance(glm::dvec3 d, uint64_t seed) {
 }
 
 std::vector<std::byte> make_dusk_sky(uint64_t seed) {
-  constexpr int height = 256, width = 2 * height;
+  return radiance_hdr(256, [seed](glm::dvec3 d) { return dusk_sky_radiance(d, seed); });
+}
+
+std::vector<std::byte> radiance_hdr(int height, const std::function<glm::dvec3(glm::dvec3)>& radiance) {
+  const int width = 2 * height;
   const std::string head =
       "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y " + std::to_string(height) + " +X " + std::to_string(width) + "\n";
   std::vector<std::byte> out;
@@ -53,7 +57,7 @@ std::vector<std::byte> make_dusk_sky(uint64_t seed) {
     for (int x = 0; x < width; ++x) {
       const double polar = pi * (y + 0.5) / height, azimuth = 2 * pi * ((x + 0.5) / width - 0.5);
       const glm::dvec3 d(std::sin(polar) * std::cos(azimuth), std::cos(polar), std::sin(polar) * std::sin(azimuth));
-      const glm::dvec3 c = dusk_sky_radiance(d, seed);
+      const glm::dvec3 c = radiance(d);
       int exponent = 0;
       std::frexp(std::max({c.x, c.y, c.z, 1e-6}), &exponent);
       const double unit = std::ldexp(256.0, -exponent);

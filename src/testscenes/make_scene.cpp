@@ -16,7 +16,7 @@ struct SceneEntry {
   std::string_view name, description;
   void (*make)(GlbWriter&, SceneOptions&);  // null: candela_demoscenes.so makes it (src/demoscenes)
   int most_lights = 0;                      // 0: a fixed set
-  bool committed = true, has_sky = false;
+  bool committed = true, has_sky = false, is_film = false;
 };
 
 // A node for each light is 160 bytes of JSON; scenes that write CANDELA_light_instances go further.
@@ -31,6 +31,8 @@ constexpr SceneEntry table[] = {
      make_animation_pointer},
     {"caustics", "a ball, a lens and a slab of glass that bend a sun's light onto a floor", make_caustics, 0, false},
     {"cave", "a tunnel of rough rock with dripstones and three coloured lamps behind them", make_cave, 0, false},
+    {"city", "a film of 20 s: a district as day turns to night, with cars, people, a curious blob and a saucer",
+     nullptr, 0, false, true, true},
     {"crossing", "blended squares through one another", make_crossing, 0, false},
     {"cuboid", "a finely cut cuboid some of whose cells stand out: triangles in the planes of the axes", make_cuboid, 0,
      false},
@@ -119,6 +121,26 @@ Expected<std::vector<std::byte>> make_scene_sky(const std::string& name, uint64_
 }
 
 std::filesystem::path sky_beside(std::filesystem::path scene) { return scene.replace_extension(".hdr"); }
+std::filesystem::path night_sky_beside(const std::filesystem::path& scene) {
+  return scene.parent_path() / (scene.stem().string() + "-night.hdr");
+}
+std::filesystem::path film_look_beside(std::filesystem::path scene) { return scene.replace_extension(".look.json"); }
+
+bool scene_is_film(std::string_view name) {
+  const SceneEntry* entry = find(name);
+  return entry && entry->is_film;
+}
+
+Expected<std::string> make_scene_look(const std::string& name, const std::filesystem::path& out) {
+  if (!scene_is_film(name)) return std::string();
+  const auto bytes = make_demo_scene(name, candela_demo_scene_look, 0, 0);
+  if (!bytes) return std::unexpected(bytes.error());
+  std::string text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  constexpr std::string_view stem = "SCENE";
+  for (size_t at = text.find(stem); at != std::string::npos; at = text.find(stem, at))
+    text.replace(at, stem.size(), out.stem().string());
+  return text;
+}
 
 Expected<std::vector<std::byte>> make_scene_bytes(const std::string& name, uint64_t seed, int lights) {
   const SceneEntry* entry = find(name);
@@ -146,6 +168,16 @@ Expected<void> make_scene(const std::string& name, uint64_t seed, int lights, co
   if (!sky->empty())
     if (auto written = write_file_atomically(sky_beside(out), std::span<const std::byte>(*sky)); !written)
       return std::unexpected(written.error());
+  if (scene_is_film(name)) {
+    const auto night = make_demo_scene(name, candela_demo_scene_night_sky, seed, 0);
+    if (!night) return std::unexpected(night.error());
+    const auto look = make_scene_look(name, out);
+    if (!look) return std::unexpected(look.error());
+    if (auto written = write_file_atomically(night_sky_beside(out), std::span<const std::byte>(*night)); !written)
+      return std::unexpected(written.error());
+    if (auto written = write_file_atomically(film_look_beside(out), std::as_bytes(std::span(*look))); !written)
+      return std::unexpected(written.error());
+  }
   return write_file_atomically(out, std::span<const std::byte>(*bytes));
 }
 

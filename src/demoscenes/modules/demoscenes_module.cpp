@@ -1,4 +1,5 @@
 #include <exception>
+#include <span>
 #include <string>
 
 #include "demoscenes/demo_scenes.h"
@@ -9,6 +10,11 @@ namespace {
 
 std::vector<std::byte> part_of(const DemoScene& scene, CandelaDemoScenePart part, uint64_t seed, int lights) {
   if (part == candela_demo_scene_sky) return scene.sky ? scene.sky(seed) : std::vector<std::byte>{};
+  if (part == candela_demo_scene_night_sky) return scene.night_sky ? scene.night_sky(seed) : std::vector<std::byte>{};
+  if (part == candela_demo_scene_look) {
+    const auto text = std::as_bytes(std::span(scene.look));
+    return {text.begin(), text.end()};
+  }
   GlbWriter writer;
   SceneOptions options{Rng(seed), lights};
   scene.make(writer, options);

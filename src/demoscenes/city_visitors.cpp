@@ -1,0 +1,257 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "demoscenes/city.h"
+#include "testscenes/table.h"
+
+// The visitors: a body of six balls that wanders over the square and looks at things, and the saucer that takes it
+// along, in a cone of light.
+namespace candela::city {
+namespace {
+
+using std::numbers::pi;
+constexpr glm::dvec3 hover{21.5, 12.6, -18.5};
+constexpr double lift_from_s = 15.7, lift_to_s = 18.1, leave_s = 18.3, arrive_s = 15.0, appear_s = second_cut_s - 0.05;
+
+double ease(double from, double to, double t) {
+  const double u = std::clamp((t - from) / (to - from), 0.0, 1.0);
+  return u * u * u * (u * (6 * u - 15) + 10);
+}
+
+struct Stop {
+  double time_s;
+  glm::dvec3 at;
+};
+
+// From stop to stop, gently off and gently there.
+glm::dvec3 between(std::span<const Stop> stops, double t) {
+  for (size_t i = 1; i < stops.size(); ++i)
+    if (t < stops[i].time_s)
+      return glm::mix(stops[i - 1].at, stops[i].at, ease(stops[i - 1].time_s, stops[i].time_s, t));
+  return stops.back().at;
+}
+
+// --- the body
+
+constexpr std::array<Stop, 9> blob_stops{{{0, {34, 0, -14}},
+                                          {3, {27, 0, -13}},
+                                          {5.8, {24, 0, -13}},
+                                          {8.6, {12.4, 0, -10.4}},
+                                          {10.4, {11.6, 0, -10.2}},
+                                          {12.8, {16.5, 0, -15}},
+                                          {14.6, {21, 0, -18.2}},
+                                          {15.4, {21.5, 0, -18.5}},
+                                          {20, {21.5, 0, -18.5}}}};
+
+glm::dvec3 saucer_at(double t) {
+  const double u = ease(appear_s - 1.2, arrive_s, t);
+  glm::dvec3 at = glm::mix(glm::dvec3(62, 74, -180), hover, u);
+  at.y += 9 * std::sin(pi * u) * u;  // it comes down last
+  at += glm::dvec3(0.25 * std::sin(1.9 * t), 0.22 * std::sin(2.6 * t), 0.2 * std::cos(1.6 * t)) * ease(13, 15, t);
+  const double away = std::max(t - leave_s, 0.0);
+  return at + glm::dvec3(26, 16, -30) * away * away * away * 0.75 + glm::dvec3(0, 3, 0) * away * away;
+}
+
+glm::dvec3 blob_at(double t) {
+  glm::dvec3 at = between(blob_stops, t);
+  at.y = kerb_m;
+  // It hops a little as it goes.
+  const glm::dvec3 move = between(blob_stops, t + 0.05) - between(blob_stops, t - 0.05);
+  at.y += 0.22 * std::abs(std::sin(4.2 * t)) * std::min(glm::length(glm::dvec2(move.x, move.z)) / 0.25, 1.0);
+  const double lifted = ease(lift_from_s, lift_to_s, t);
+  return glm::mix(at, saucer_at(t) - glm::dvec3(0, 0.8, 0), lifted);
+}
+
+// Where it looks: the way it goes, then at the cars, up the lamps, and up to the saucer.
+glm::dvec3 blob_look(double t) {
+  static constexpr std::array<Stop, 8> looks{{{0, {-1, 0.1, 0.2}},
+                                              {4.0, {-0.2, 0.9, 0.5}},
+                                              {6.0, {-1, 0.2, 0.1}},
+                                              {8.6, {-0.7, 0.5, 0.7}},
+                                              {9.6, {-0.9, 0.1, 0.5}},
+                                              {10.4, {0.1, 1, 0.3}},
+                                              {12.0, {0.8, 0.2, -0.6}},
+                                              {14.6, {0.1, 1, -0.3}}}};
+  return glm::normalize(between(looks, t));
+}
+
+glm::dvec3 ball_at(size_t ball, double t) {
+  const double stretch = ease(lift_from_s - 0.3, lift_from_s + 0.7, t) * (1 - ease(lift_to_s - 0.5, lift_to_s, t));
+  const glm::dvec3 look = blob_look(t);
+  glm::dvec3 at(0, 0.72, 0);
+  if (ball == 1) at = glm::dvec3(0, 0.9, 0) + look * (0.8 + 0.12 * std::sin(3.1 * t));  // its head
+  if (ball >= 2) {
+    const double turn = (ball % 2 ? 1.3 : -1.1) * t + 2 * pi * double(ball) / 4;
+    at = glm::dvec3(0.5 * std::cos(turn), 0.5 + 0.12 * std::sin(1.7 * t + double(ball)), 0.5 * std::sin(turn));
+  }
+  at.y += stretch * (ball == 1 ? 0.9 : ball == 0 ? 0.2 : -0.12 * double(ball));
+  at.x *= 1 - 0.35 * stretch, at.z *= 1 - 0.35 * stretch;
+  return at;
+}
+
+void add_blob(Town& town) {
+  GlbWriter& out = town.out;
+  std::vector<double> times;
+  for (int k = 0; k <= int(end_s * frames_per_s); ++k) times.push_back(k / frames_per_s);
+  const int body = out.node("blob", {{"translation", vector_json(blob_at(0))}});
+  std::vector<glm::dvec3> places;
+  for (double t : times) places.push_back(blob_at(t));
+  animate_places(out, body, times, places);
+  const int sizes = [&] {
+    std::vector<double> values;
+    for (double t : times) push(values, glm::dvec3(1 - 0.72 * ease(lift_to_s - 0.9, lift_to_s, t)));
+    return add_sampler(out, times, values, 3);
+  }();
+  play(out, sizes, body, "scale");
+  json balls = json::array();
+  constexpr std::array<double, 6> radius{1.5, 0.95, 1.2, 1.1, 1.2, 1.0};
+  for (size_t b = 0; b < radius.size(); ++b) {
+    const int ball = out.child(body, fmt::format("ball {}", b), {{"translation", vector_json(ball_at(b, 0))}});
+    std::vector<glm::dvec3> at;
+    for (double t : times) at.push_back(ball_at(b, t));
+    animate_places(out, ball, times, at);
+    balls.push_back({{"node", ball}, {"radius", number(radius[b])}});
+  }
+  // It glows by itself, the more the more curious it is.
+  json skin = pbr({0.1, 0.5, 0.34, 1}, 0, 0.2);
+  skin["emissiveFactor"] = vector_json({0.008, 0.13, 0.085});
+  const int material = out.material("blob", skin);
+  const int light =
+      out.light({{"name", "blob"}, {"type", "point"}, {"color", vector_json({0.1, 1, 0.6})}, {"range", 9}});
+  std::vector<double> glow, candela;
+  std::vector<double> glow_times;
+  for (int k = 0; k <= int(end_s * 12); ++k) {
+    const double t = k / 12.0, pulse = 0.75 + 0.25 * std::sin(4.6 * t) * std::sin(1.3 * t);
+    const double curious = 0.5 + 0.5 * ease(7.5, 9, t) * (1 - 0.6 * ease(10.4, 11.4, t)) + 0.5 * ease(14.8, 16, t);
+    const double dark = ease(4.5, 7.2, t);
+    glow_times.push_back(t);
+    push(glow, glm::dvec3(0.008, 0.13, 0.085) * (0.12 + 0.88 * dark) * pulse * curious);
+    candela.push_back(26 * dark * pulse * curious * (1 - ease(lift_to_s - 0.8, lift_to_s, t)));
+  }
+  out.animate_pointer(fmt::format("/materials/{}/emissiveFactor", material), "LINEAR", glow_times, glow, 3);
+  out.animate_pointer(fmt::format("/extensions/KHR_lights_punctual/lights/{}/intensity", light), "LINEAR", glow_times,
+                      candela, 1);
+  LightArrays inside;
+  inside.add({0, 0.8, 0}, {1, 1, 1}, 1, 9, {0, 1, 0});
+  out.child(body, "blob light", {{"extensions", inside.extension(out, light)}});
+  out.use_extension("CANDELA_metaballs");
+  out.root["nodes"][size_t(body)]["extensions"]["CANDELA_metaballs"] = {
+      {"threshold", 0.35},
+      {"cell", 0.09},
+      {"material", material},
+      {"balls", std::move(balls)},
+      {"noise", {{"amplitude", 0.12}, {"frequency", 5}}}};
+}
+
+// --- the saucer
+
+int make_saucer(Town& town, int glow) {
+  MeshKit kit;
+  const Paint hull = town.m.chrome.tinted(glm::dvec3(0.75, 0.78, 0.82)), dark = town.m.metal.tinted(glm::dvec3(0.2));
+  const std::array<OutlinePoint, 12> lower{{{0.0, -0.95, 0, -1},
+                                            {1.5, -0.95, 0, -1},
+                                            {1.5, -0.95, 0.5, -0.86},
+                                            {1.75, -0.8, 0.5, -0.86},
+                                            {1.75, -0.8, 0.2, -0.98},
+                                            {3.2, -0.48, 0.24, -0.97},
+                                            {4.3, -0.16, 0.4, -0.92},
+                                            {4.6, 0.0, 1, 0},
+                                            {4.3, 0.16, 0.35, 0.94},
+                                            {3.2, 0.5, 0.26, 0.97},
+                                            {2.2, 0.85, 0.36, 0.93},
+                                            {1.7, 1.1, 0.5, 0.87}}};
+  kit.turned(hull, {0, 0, 0}, lower, 48);
+  std::vector<OutlinePoint> dome;
+  for (int i = 0; i <= 8; ++i) {
+    const double a = pi / 2 * i / 8;
+    dome.push_back({1.75 * std::cos(a), 1.05 + 1.15 * std::sin(a), std::cos(a), std::sin(a)});
+  }
+  kit.turned(town.m.glass.tinted({0.04, 0.09, 0.1}), {0, 0, 0}, dome, 32);
+  for (int i = 0; i < 12; ++i) {  // ribs over the hull
+    const double a = 2 * pi * i / 12;
+    const glm::dvec3 way(std::cos(a), 0, std::sin(a));
+    kit.tube(dark, 1.75 * way + glm::dvec3(0, 1.08, 0), 0.05, 4.25 * way + glm::dvec3(0, 0.19, 0), 0.03, 5);
+    kit.tube(dark, 1.75 * way + glm::dvec3(0, -0.8, 0), 0.05, 4.25 * way + glm::dvec3(0, -0.19, 0), 0.03, 5);
+  }
+  Materials m = town.m;
+  m.glows = glow;
+  // Lamps around the rim, and the ring that the beam comes out of.
+  for (int i = 0; i < 24; ++i) {
+    const double a = 2 * pi * (i + 0.5) / 24;
+    const glm::dvec3 way(std::cos(a), 0, std::sin(a)), across(-way.z, 0, way.x),
+        at = 3.75 * way + glm::dvec3(0, 0.36, 0);
+    const dusk::Glow color = i % 3 == 0 ? dusk::amber_glow : i % 3 == 1 ? dusk::cool_glow : dusk::green_glow;
+    for (double y : {1.0, -1.0}) {
+      const glm::dvec3 up(-0.09 * way.x * y, 0.03, -0.09 * way.z * y), corner = glm::dvec3(at.x, y * at.y, at.z);
+      glow_quad(kit, m, corner + 0.13 * across * y - 1.3 * up * y, -0.26 * across * y, 2.6 * up * y, color);
+    }
+  }
+  glow_band(kit, m, {0, -0.97, 0}, {0.9, 0}, {1.4, 0.0}, 32, dusk::cool_glow);
+  return kit.write(town.out, "saucer");
+}
+
+void add_saucer(Town& town) {
+  GlbWriter& out = town.out;
+  std::vector<double> times{0};
+  for (int k = int(appear_s * frames_per_s); k <= int(end_s * frames_per_s); ++k) times.push_back(k / frames_per_s);
+  std::vector<glm::dvec3> places;
+  std::vector<glm::dquat> turns;
+  for (double t : times) {
+    // Until it comes it lies below the ground.
+    places.push_back(t < appear_s ? glm::dvec3(0, -20, -32) : saucer_at(t));
+    // It leans into where it is going.
+    const glm::dvec3 speed = (saucer_at(t + 0.1) - 2.0 * saucer_at(t) + saucer_at(t - 0.1)) / 0.01;
+    const glm::dvec2 lean = glm::clamp(glm::dvec2(speed.z, -speed.x) * 0.012, -0.4, 0.4);
+    turns.push_back(rotation_about({1, 0, 0}, t < appear_s ? 0 : lean.x) *
+                    rotation_about({0, 0, 1}, t < appear_s ? 0 : lean.y));
+  }
+  const int saucer = out.node("saucer", {{"translation", vector_json(places[0])}});
+  animate_places(out, saucer, times, places);
+  animate_turns(out, saucer, times, turns);
+  const int hull =
+      out.child(saucer, "hull", {{"mesh", make_saucer(town, town.switches.material(town.m.glows, appear_s - 1))}});
+  std::vector<double> spin_times;
+  std::vector<glm::dquat> spin;
+  for (double t = 0; t <= end_s; t += 0.5) {
+    spin_times.push_back(t);
+    spin.push_back(rotation_about({0, 1, 0}, 0.9 * t));
+  }
+  animate_turns(out, hull, spin_times, spin);
+  LightArrays rim;
+  for (int i = 0; i < 24; ++i) {
+    const double a = 2 * pi * (i + 0.5) / 24;
+    const glm::dvec3 color = i % 3 == 0   ? glm::dvec3(1, 0.55, 0.15)
+                             : i % 3 == 1 ? glm::dvec3(0.6, 0.85, 1)
+                                          : glm::dvec3(0.15, 1, 0.5);
+    rim.aim({0.5 * std::cos(a), -1, 0.5 * std::sin(a)});
+    rim.add({4.9 * std::cos(a), -0.3, 4.9 * std::sin(a)}, color, 60, 22, {0.5, 1.2, i / 12.0});
+  }
+  out.child(hull, "rim lamps",
+            {{"extensions", rim.extension(out, spot(town.switches, "rim lamp", 26, 0.4, 1.1, appear_s - 1))}});
+
+  // The beam: a searchlight while it flies, then full.
+  const int beam = out.light({{"name", "beam"},
+                              {"type", "spot"},
+                              {"color", vector_json({0.55, 0.95, 1})},
+                              {"range", 46},
+                              {"spot", {{"innerConeAngle", 0.13}, {"outerConeAngle", 0.2}}}});
+  const std::array on{0.0, 13.0, 13.3, 14.9, 15.3, 18.1, 18.45, 18.6};
+  const std::array candela{0.0, 0.0, 3500.0, 4000.0, 9000.0, 9000.0, 1000.0, 0.0};
+  out.animate_pointer(fmt::format("/extensions/KHR_lights_punctual/lights/{}/intensity", beam), "LINEAR", on, candela,
+                      1);
+  LightArrays one;
+  one.add({0, -1.05, 0}, {1, 1, 1}, 1, 46, {0, 1, 0});
+  one.aim({0, -1, 0});
+  out.child(saucer, "beam", {{"extensions", one.extension(out, beam)}});
+}
+
+}  // namespace
+
+void add_city_visitors(Town& town) {
+  add_blob(town);
+  add_saucer(town);
+}
+
+}  // namespace candela::city

@@ -25,6 +25,8 @@ constexpr double pitch_m = 64, block_half_m = 22, pad_half_m = 26.5, kerb_m = du
 constexpr double lane_m = 1.8;  // from the middle of a road to the middle of a lane
 constexpr int block_columns = 2, block_rows = 3;
 constexpr glm::dvec2 square_centre{32, -32};  // x and z
+glm::dvec3 camera_at(double time_s);
+
 glm::dvec2 block_centre(int column, int row);
 bool is_square(int column, int row);
 constexpr double row_x_m = 74, row_near_m = 74, row_far_m = -138;  // facades of the row of houses around all
@@ -71,7 +73,7 @@ void add_city_film(Town& town);      // city_film.cpp: sun and camera
 void add_city_people(Town& town);    // city_people.cpp: they walk, and a foot on the ground stands still
 void add_city_cars(Town& town);      // city_cars.cpp: they go round in the right lane and keep clear of each other
 
-// --- city_sky.cpp: radiance of an afternoon and of an evening that turns to night
+// --- city_sky.cpp: radiance of an afternoon and of an evening
 
 glm::dvec3 day_sky_radiance(glm::dvec3 direction, uint64_t seed);
 glm::dvec3 night_sky_radiance(glm::dvec3 direction, uint64_t seed);

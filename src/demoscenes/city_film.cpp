@@ -25,8 +25,8 @@ struct Shot {
 };
 constexpr std::array<Shot, 3> shots{
     {{0, first_cut_s, {{-4.5, 21, 66}, {6, 7, -30}, 42}, {{-2.4, 10.6, 45}, {3.5, 7.6, -30}, 45}},
-     {first_cut_s, second_cut_s, {{8.0, 1.55, 8.9}, {9.4, 2.3, -12}, 42}, {{8.8, 1.6, 6.9}, {12.4, 2.1, -12}, 40}},
-     {second_cut_s, end_s, {{5.9, 1.7, -5.9}, {24, 6.4, -21}, 52}, {{7.0, 1.8, -6.9}, {24, 7.6, -21}, 56}}}};
+     {first_cut_s, second_cut_s, {{8.15, 1.6, 12.6}, {6.9, 2.6, -8}, 45}, {{8.3, 1.6, 6.6}, {8.2, 1.9, -10}, 37}},
+     {second_cut_s, end_s, {{7.3, 1.7, -6.9}, {24, 6.4, -21}, 52}, {{8.3, 1.8, -7.7}, {24, 7.6, -21}, 56}}}};
 
 View view_at(const Shot& shot, double t) {
   const double u = std::clamp((t - shot.from_s) / (shot.to_s - shot.from_s), 0.0, 1.0);
@@ -75,10 +75,10 @@ void add_sunlight(GlbWriter& out) {
     turns.push_back(glm::quat_cast(glm::dmat3(look_at_pose(sun_direction(t), {0, 0, 0}))));
     // What air leaves of it: the lower, the less and the redder.
     const double air = 1 / (std::sin(std::max(elevation, 0.0) * rad) + 0.11);
-    const glm::dvec3 left = glm::exp(-glm::dvec3(0.075, 0.17, 0.36) * air);
+    const glm::dvec3 left = glm::exp(-glm::dvec3(0.065, 0.2, 0.46) * air);
     const double most = std::max({left.x, left.y, left.z});
     push(colors, left / most);
-    lux.push_back(40 * most * smooth_step(-0.6, 1.6, elevation));
+    lux.push_back(40 * most * smooth_step(-3, 6, elevation));
   }
   animate_turns(out, node, times, turns);
   const std::string pointer = fmt::format("/extensions/KHR_lights_punctual/lights/{}/", light);
@@ -95,8 +95,13 @@ double sun_elevation_deg(double time_s) {
 
 glm::dvec3 sun_direction(double time_s) {
   const double u = std::clamp((time_s - sun_from_s) / (sun_to_s - sun_from_s), 0.0, 1.0);
-  const double elevation = sun_elevation_deg(time_s) * rad, azimuth = (-48 + 68 * u) * rad;  // from -Z to +X
+  const double elevation = sun_elevation_deg(time_s) * rad, azimuth = (-72 + 100 * u) * rad;  // from -Z to +X
   return {std::cos(elevation) * std::sin(azimuth), std::sin(elevation), -std::cos(elevation) * std::cos(azimuth)};
+}
+
+glm::dvec3 camera_at(double time_s) {
+  const auto shot = std::ranges::find_if(shots, [&](const Shot& s) { return time_s < s.to_s; });
+  return view_at(shot == shots.end() ? shots.back() : *shot, time_s).eye;
 }
 
 void add_city_film(Town& town) {

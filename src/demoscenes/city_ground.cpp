@@ -6,7 +6,7 @@
 namespace candela::city {
 namespace {
 
-constexpr double paint_m = 0.006, cell_m = 16;
+constexpr double paint_m = 0.006, cell_m = 17;
 
 void flat(MeshKit& kit, const Paint& paint, glm::dvec2 low, glm::dvec2 high, double y) {
   kit.quad(paint, {low.x, y, high.y}, {high.x - low.x, 0, 0}, {0, 0, low.y - high.y});
@@ -66,28 +66,42 @@ void arm(MeshKit& kit, const Materials& m, double length) {
 }  // namespace
 
 void add_city_ground(Town& town) {
-  MeshKit kit;
   const Materials& m = town.m;
-  const double edge_x = row_x_m - 4.5, near_z = row_near_m - 4.5, far_z = row_far_m + 4.5;
-  cells(kit, m.asphalt, {-edge_x, far_z}, {edge_x, near_z}, 0);
-  for (int c = 0; c < block_columns; ++c)
-    for (int r = 0; r < block_rows; ++r) pad(kit, m, block_centre(c, r) - pad_half_m, block_centre(c, r) + pad_half_m);
-  const double out = 5;
-  pad(kit, m, {-edge_x - out, far_z - out}, {-edge_x, near_z + out});
-  pad(kit, m, {edge_x, far_z - out}, {edge_x + out, near_z + out});
-  pad(kit, m, {-edge_x, near_z}, {edge_x, near_z + out});
-  pad(kit, m, {-edge_x, far_z - out}, {edge_x, far_z});
+  // A mesh each, so that little of it is drawn where little is seen.
+  const auto part = [&](const char* name, const auto& add) {
+    MeshKit kit;
+    add(kit);
+    town.out.node(name, {{"mesh", kit.write(town.out, name)}});
+  };
+  const double edge_x = row_x_m - 4.5, near_z = row_near_m - 4.5, far_z = row_far_m + 4.5, half = pitch_m / 2;
+  // Around each crossing, to the middle of the next, or to the edge.
   for (int x = -1; x <= 1; ++x)
-    for (int z = -2; z <= 1; ++z)
-      for (int side = 0; side < 4; ++side) {
-        // +Z, +X, -Z, -X: where no road goes on there is no arm.
-        if ((side == 0 && z == 1) || (side == 1 && x == 1) || (side == 2 && z == -2) || (side == 3 && x == -1))
-          continue;
-        kit.place(placed({x * pitch_m, 0, z * pitch_m}, side * 1.5707963267948966));
-        arm(kit, m, pitch_m);
-      }
-  kit.place(glm::dmat4(1));
-  town.out.node("ground", {{"mesh", kit.write(town.out, "ground")}});
+    for (int z = -2; z <= 1; ++z) {
+      const glm::dvec2 middle(x * pitch_m, z * pitch_m);
+      part("road", [&](MeshKit& kit) {
+        cells(kit, m.asphalt, {x == -1 ? -edge_x : middle.x - half, z == -2 ? far_z : middle.y - half},
+              {x == 1 ? edge_x : middle.x + half, z == 1 ? near_z : middle.y + half}, 0);
+      });
+      part("road markings", [&](MeshKit& kit) {
+        for (int side = 0; side < 4; ++side) {
+          // +Z, +X, -Z, -X: where no road goes on there is no arm.
+          if ((side == 0 && z == 1) || (side == 1 && x == 1) || (side == 2 && z == -2) || (side == 3 && x == -1))
+            continue;
+          kit.place(placed({middle.x, 0, middle.y}, side * 1.5707963267948966));
+          arm(kit, m, pitch_m);
+        }
+      });
+    }
+  const auto add_pad = [&](glm::dvec2 low, glm::dvec2 high) {
+    part("pavement", [&](MeshKit& kit) { pad(kit, m, low, high); });
+  };
+  for (int c = 0; c < block_columns; ++c)
+    for (int r = 0; r < block_rows; ++r) add_pad(block_centre(c, r) - pad_half_m, block_centre(c, r) + pad_half_m);
+  const double out = 5;
+  add_pad({-edge_x - out, far_z - out}, {-edge_x, near_z + out});
+  add_pad({edge_x, far_z - out}, {edge_x + out, near_z + out});
+  add_pad({-edge_x, near_z}, {edge_x, near_z + out});
+  add_pad({-edge_x, far_z - out}, {edge_x, far_z});
 }
 
 }  // namespace candela::city

@@ -15,7 +15,7 @@ using dusk::Facade;
 using std::numbers::pi;
 
 constexpr double depth_m = 12, width_m = 10;
-constexpr int middle_kinds = 8, corner_kinds = 4, room_groups = 36, shop_groups = 14;
+constexpr int middle_kinds = 8, corner_kinds = 4, room_groups = 36, shop_groups = 14, rooms_a_part = 6;
 
 struct Kind {
   Building front, side;  // a corner has a second facade to the right
@@ -28,18 +28,18 @@ class Houses {
  public:
   explicit Houses(Town& town) : town_(town), kit_(dusk::make_building_kit(town.out, town.m)) {
     for (int g = 0; g < room_groups; ++g)
-      facade_.rooms.push_back(
-          town_.switches.material(town_.m.rooms, 4.6 + 6.2 * (g + town_.rng.uniform()) / room_groups));
+      rooms_.push_back(town_.switches.material(town_.m.rooms, 4.6 + 6.2 * (g + town_.rng.uniform()) / room_groups));
     for (int g = 0; g < shop_groups; ++g) {
       const double on_s = 4.2 + 4.5 * (g + town_.rng.uniform()) / shop_groups;
       Group& group = groups_.emplace_back();
       group.m = town_.m;
-      group.m.rooms = facade_.rooms[size_t(g)];
+      group.m.rooms = rooms_[size_t(g)];
       group.m.shops = town_.switches.material(town_.m.shops, on_s);
       group.m.lying_signs = town_.switches.material(town_.m.lying_signs, on_s + 0.5);
       group.m.standing_signs = town_.switches.material(town_.m.standing_signs, on_s + 0.8);
       group.on_s = on_s;
     }
+    choose_rooms();
     for (int k = 0; k < middle_kinds + corner_kinds; ++k) make_kind(k);
   }
 
@@ -48,15 +48,19 @@ class Houses {
       for (int r = 0; r < block_rows; ++r)
         if (!is_square(c, r)) add_block(block_centre(c, r));
     // The row around all, which faces inwards.
+    const auto row = [&](auto at, int count, double turn) {
+      for (int i = 0; i < count; ++i) {
+        const glm::dvec3 place = at(i);
+        if (std::abs(place.x) > 6 || place.z > 0) add_house(any_middle(), place, turn, false);
+        if (i % 5 == 4 || i + 1 == count) end_part();
+      }
+    };
     for (double side : {-1.0, 1.0})
-      for (double z = row_near_m + 4 - width_m / 2; z > row_far_m - 4; z -= width_m)
-        add_house(any_middle(), {side * row_x_m, kerb_m, z}, -side * pi / 2, false);
-    for (double x = -70; x <= 70; x += width_m) {
-      add_house(any_middle(), {x, kerb_m, row_near_m}, pi, false);
-      if (std::abs(x) > 6) add_house(any_middle(), {x, kerb_m, row_far_m}, 0, false);
-    }
+      row([&](int i) { return glm::dvec3(side * row_x_m, kerb_m, row_near_m - 1 - width_m * i); }, 22, -side * pi / 2);
+    row([](int i) { return glm::dvec3(-70 + width_m * i, kerb_m, row_near_m); }, 15, pi);
+    row([](int i) { return glm::dvec3(-70 + width_m * i, kerb_m, row_far_m); }, 15, 0);
     add_skyline();
-    town_.out.node("panes and signs", {{"mesh", facade_.lights.write(town_.out, "panes and signs")}});
+    end_part();
     for (Group& group : groups_) {
       group.lights.write(town_.out, "shops", spot(town_.switches, "shop", 9, 0.5, 1.1, group.on_s));
       group.spills.write(town_.out, "windows", spot(town_.switches, "window", 4.5, 0.5, 1.1, group.on_s + 2.2));
@@ -69,6 +73,19 @@ class Houses {
     LightArrays lights, spills;
     double on_s = 0;
   };
+
+  // Panes and signs of the houses since the last part are a mesh: what is small is drawn where it is seen.
+  void end_part() {
+    town_.out.node("panes and signs", {{"mesh", facade_.lights.write(town_.out, "panes and signs")}});
+    facade_.lights = MeshKit();
+    ++part_;
+    choose_rooms();
+  }
+  void choose_rooms() {
+    facade_.rooms.clear();
+    for (int i = 0; i < rooms_a_part; ++i)
+      facade_.rooms.push_back(rooms_[(part_ * 11 + size_t(i) * 6) % rooms_.size()]);
+  }
 
   void make_kind(int k) {
     static constexpr std::array<glm::dvec3, 6> bricks{{{0.62, 0.36, 0.28},
@@ -125,7 +142,7 @@ class Houses {
 
   // Windows of houses farther off have no frames.
   void add_house(size_t k, glm::dvec3 at, double turn, bool near) {
-    Group& group = groups_[next_group_++ * 3 % groups_.size()];
+    Group& group = groups_[(part_ * 5 + next_house_++ % 2 * 3) % groups_.size()];
     Instances none;
     build(kinds_[k], at, turn, group.m, facade_, near ? town_.instances : none, group.lights);
     town_.instances.add(kinds_[k].walls, at, turn);
@@ -149,6 +166,7 @@ class Houses {
       add_house(any_middle(), at(-5), turn, true);
       add_house(any_middle(), at(5), turn, true);
       add_house(any_corner(), at(block_half_m - depth_m / 2), turn, true);
+      end_part();
     }
   }
 
@@ -198,8 +216,9 @@ class Houses {
   BuildingKit kit_;
   std::vector<Kind> kinds_;
   std::vector<Group> groups_;
+  std::vector<int> rooms_;
   Facade facade_;
-  size_t next_middle_ = 0, next_corner_ = 0, next_group_ = 0;
+  size_t next_middle_ = 0, next_corner_ = 0, next_house_ = 0, part_ = 0;
 };
 
 }  // namespace

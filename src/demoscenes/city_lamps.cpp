@@ -48,7 +48,7 @@ class Lamps {
       add_lamp({0, 0, 0}, 0, x, row_far_m + 5.25);
     }
     for (Group& g : groups_) {
-      g.lamps.write(town_.out, "street lamps", spot(town_.switches, "street lamp", 22, 0.3, 1.0, g.on_s));
+      g.lamps.write(town_.out, "street lamps", spot(town_.switches, "street lamp", 22, 0.3, 0.92, g.on_s));
     }
     add_strings();
     add_traffic_lights();
@@ -119,9 +119,13 @@ class Lamps {
       for (glm::dvec3 lamp : light.lamps)
         lights.add(glm::dvec3(placed(foot, side * pi / 2) * glm::dvec4(lamp, 1)),
                    side % 2 ? glm::dvec3(0.05, 1, 0.4) : glm::dvec3(1, 0.06, 0.03), 4, 8, {0, 1, 0});
+      for (size_t i = 0; i < light.lamps.size(); ++i) lights.aim(glm::dmat3(frame) * glm::dvec3(0, -0.4, 1));
     }
     lights.write(town_.out, "traffic lights",
-                 town_.out.light({{"name", "traffic light"}, {"type", "point"}, {"range", 8}}));
+                 town_.out.light({{"name", "traffic light"},
+                                  {"type", "spot"},
+                                  {"range", 8},
+                                  {"spot", {{"innerConeAngle", 0.5}, {"outerConeAngle", 1.1}}}}));
   }
 
   Town& town_;

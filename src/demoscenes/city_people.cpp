@@ -118,9 +118,12 @@ int make_body(GlbWriter& out, const Materials& m, const Clothes& clothes) {
     }
   json primitives = json::array();
   for (const auto& [material, shape] : merged) {
-    json primitive = out.primitive(shape);
+    Shape bare = shape;
+    bare.color.clear();
+    json primitive = out.primitive(bare);
     std::vector<double> weights;
     for (size_t v = 0; v < shape.position.size(); ++v) weights.insert(weights.end(), {1, 0, 0, 0});
+    primitive["attributes"]["COLOR_0"] = out.unorm8_accessor(shape.color);
     primitive["attributes"]["JOINTS_0"] = out.joint_accessor(joints[material]);
     primitive["attributes"]["WEIGHTS_0"] = out.float_accessor(weights, 4);
     primitive["material"] = material;
@@ -283,7 +286,7 @@ class People {
     for (int g = 0; g < lantern_groups; ++g) {
       const double on_s = 5.6 + 0.6 * g;
       lanterns_.push_back(town.switches.mesh_with(lantern, town.m.glows, town.switches.material(town.m.glows, on_s)));
-      lamps_.push_back(point(town.switches, "lantern", 6, on_s));
+      lamps_.push_back(spot(town.switches, "lantern", 6, 0.7, 1.12, on_s));
     }
   }
 
@@ -298,8 +301,14 @@ class People {
             const glm::dmat4 frame = placed({centre.x, 0, centre.y}, side * pi / 2);
             const bool right = (i + side + c) % 2;
             const double z = right ? town_.rng.uniform(23.9, 24.6) : town_.rng.uniform(23.1, 23.7);
-            const double x = town_.rng.uniform(-23, -5) * (right ? 1 : -1);
-            add(glm::dvec3(frame * glm::dvec4(x, kerb_m, z, 1)), glm::dmat3(frame) * glm::dvec3(right ? 1 : -1, 0, 0));
+            const glm::dvec3 way = glm::dmat3(frame) * glm::dvec3(right ? 1 : -1, 0, 0);
+            const auto anywhere = [&] {
+              const double x = town_.rng.uniform(-23, -5) * (right ? 1 : -1);
+              return glm::dvec3(frame * glm::dvec4(x, kerb_m, z, 1));
+            };
+            glm::dvec3 from = anywhere();
+            for (int tries = 0; tries < 20 && !is_clear_of_camera(from, way); ++tries) from = anywhere();
+            if (is_clear_of_camera(from, way)) add(from, way);
           }
         }
   }
@@ -307,10 +316,20 @@ class People {
  private:
   static constexpr int lantern_groups = 5;
 
+  size_t next_gait() const { return next_ % gaits_.size(); }
+
+  // Nobody walks into the camera.
+  bool is_clear_of_camera(glm::dvec3 from, glm::dvec3 way) const {
+    for (double t = 0; t <= end_s; t += 0.1) {
+      const glm::dvec3 d = from + way * gaits_[next_gait()].speed_m_s * t - camera_at(t);
+      if (glm::length(glm::dvec2(d.x, d.z)) < 1.3 && d.y > -3) return false;
+    }
+    return true;
+  }
+
   void add(glm::dvec3 from, glm::dvec3 way) {
     GlbWriter& out = town_.out;
-    const size_t who = next_++;
-    const size_t gait = who % gaits_.size();
+    const size_t gait = next_gait(), who = next_++;
     const Gait& g = gaits_[gait];
     const double scale = town_.rng.uniform(0.94, 1.06);
     const int walker =
@@ -340,6 +359,7 @@ class People {
                                 {"rotation", quaternion_json(rotation_about({1, 0, 0}, -pi / 2))}});
     LightArrays light;
     light.add({0, -0.2, 0}, {1, 0.6, 0.28}, 4, 6, {0, 1, 0});
+    light.aim({0, -1, 0.4});
     out.child(hand, "lantern light", {{"extensions", light.extension(out, lamps_[group])}});
   }
 

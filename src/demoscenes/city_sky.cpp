@@ -5,7 +5,7 @@
 #include "demoscenes/tile_maps.h"
 #include "testscenes/procedural_textures.h"
 
-// Two skies that the look blends: of the afternoon, and of the evening, which darkens until stars are seen.
+// Two skies that the look blends: of the afternoon, and of the evening, which darkens.
 namespace candela::city {
 namespace {
 
@@ -27,13 +27,13 @@ double toward_sunset(glm::dvec3 d) {
 
 glm::dvec3 day_sky_radiance(glm::dvec3 d, uint64_t seed) {
   const double height = std::max(d.y, 0.0), toward = toward_sunset(d);
-  const glm::dvec3 zenith(0.035, 0.11, 0.36), middle(0.11, 0.25, 0.54), low(0.22, 0.34, 0.52);
+  const glm::dvec3 zenith(0.022, 0.085, 0.31), middle(0.06, 0.17, 0.43), low(0.13, 0.24, 0.43);
   glm::dvec3 sky = mix(zenith, middle, std::exp(-2.2 * height));
   sky = mix(sky, low, 0.85 * std::exp(-6 * height));
-  sky += std::pow(toward, 6) * glm::dvec3(0.3, 0.2, 0.09) * std::exp(-2.5 * height);
+  sky += std::pow(toward, 6) * glm::dvec3(0.16, 0.1, 0.04) * std::exp(-2.5 * height);
   const double cover = clouds(d, seed + 70, {0.9, 1.1});
   const double cloud = smooth_step(0.46, 0.62, cover) * smooth_step(0.02, 0.14, height);
-  const glm::dvec3 lit = mix(glm::dvec3(0.72, 0.7, 0.68), glm::dvec3(1.0, 0.88, 0.7), std::pow(toward, 3));
+  const glm::dvec3 lit = mix(glm::dvec3(0.56, 0.55, 0.54), glm::dvec3(0.85, 0.74, 0.58), std::pow(toward, 3));
   sky = mix(sky, mix(lit, glm::dvec3(0.34, 0.37, 0.44), smooth_step(0.55, 0.78, cover)), 0.85 * cloud);
   return d.y < 0 ? mix(sky, glm::dvec3(0.2, 0.2, 0.19), smooth_step(0, 0.08, -d.y)) : sky;
 }
@@ -51,16 +51,6 @@ glm::dvec3 night_sky_radiance(glm::dvec3 d, uint64_t seed) {
   const glm::dvec3 dark(0.03, 0.045, 0.09), lit = glm::dvec3(1.5, 0.48, 0.3) * near_sunset * std::exp(-3.2 * height);
   const double rim = smooth_step(0.48, 0.6, cover) * (1 - smooth_step(0.6, 0.8, cover));
   sky = mix(sky, dark + lit * (0.35 + 0.65 * rim), 0.75 * cloud);
-  // Stars: one in some of the cells of a grid over the directions.
-  const glm::dvec2 grid(std::atan2(d.x, -d.z) * 40, std::asin(std::clamp(d.y, -1.0, 1.0)) * 40),
-      cell = glm::floor(grid);
-  Rng star(seed * 0x100000001b3u + uint64_t(int64_t(cell.x) * 7919 + int64_t(cell.y)));
-  star.next();
-  const double bright = star.uniform();
-  const glm::dvec2 place(star.uniform(0.25, 0.75), star.uniform(0.25, 0.75)), off = grid - cell - place;
-  if (bright > 0.82 && d.y > 0.05)
-    sky += glm::dvec3(0.8, 0.9, 1) * (bright - 0.8) * 1.6 * std::exp(-60 * glm::dot(off, off)) * (1 - cloud) *
-           smooth_step(0.05, 0.4, d.y);
   return d.y < 0 ? mix(sky, glm::dvec3(0.02, 0.02, 0.025), smooth_step(0, 0.08, -d.y)) : sky;
 }
 

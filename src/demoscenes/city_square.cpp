@@ -39,10 +39,11 @@ void add_fountain(Town& town, glm::dvec3 at) {
   LightArrays lights;
   for (int i = 0; i < 8; ++i) {
     const double a = 2 * pi * i / 8;
-    lights.add(at + glm::dvec3(2.4 * std::cos(a), 0.75, 2.4 * std::sin(a)), {0.35, 0.75, 1}, 5, 5,
+    lights.add(at + glm::dvec3(2.4 * std::cos(a), 0.75, 2.4 * std::sin(a)), {0.35, 0.75, 1}, 6, 6,
                {0.35, 2.2, i / 8.0});
+    lights.aim({-std::cos(a), 1.1, -std::sin(a)});
   }
-  lights.write(town.out, "fountain lamps", point(town.switches, "fountain lamp", 5, 7.9));
+  lights.write(town.out, "fountain lamps", spot(town.switches, "fountain lamp", 6, 0.6, 1.1, 7.9));
 }
 
 }  // namespace
@@ -82,8 +83,9 @@ void add_city_square(Town& town) {
       const glm::dvec3 at = centre + glm::dvec3(12.0 + 3.4 * k, 0, 2.0 + 3.6 * i);
       instances.add(tables[size_t(k)], at, 0.4 * i);
       lights.add(at + glm::dvec3(0, 0.95, 0), {1, 0.62, 0.25}, 1.6, 4, {0.12, 0.7, 0.17 * (2 * i + k)});
+      lights.aim({0, -1, 0});
     }
-  lights.write(out, "candles", point(town.switches, "candle", 4, 7.2));
+  lights.write(out, "candles", spot(town.switches, "candle", 4, 0.8, 1.1, 7.2));
   for (int i = 0; i < 4; ++i)
     for (double s : {-1.0, 1.0}) {
       const glm::dmat4 frame = placed(centre, i * pi / 2);
@@ -104,7 +106,7 @@ void add_city_square(Town& town) {
       instances.add(hydrant, {kerb_x, kerb_m, block.y + 15.5}, 0.4);
       instances.add(bicycles[size_t(r) % 2], {wall_x, kerb_m, block.y + 12}, 0.15);
       instances.add(board, {wall_x, kerb_m, block.y + 2}, 0.3);
-      for (double z : {-19.5, -2.0, 17.0}) instances.add(planter, {wall_x, kerb_m, block.y + z}, 0);
+      for (double z : {-16.5, -2.0, 17.0}) instances.add(planter, {wall_x, kerb_m, block.y + z}, 0);
     }
 }
 

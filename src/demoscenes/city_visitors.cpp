@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "demoscenes/city.h"
+#include "math/transforms.h"
 #include "testscenes/table.h"
 
 // The visitors: a body of six balls that wanders over the square and looks at things, and the saucer that takes it
@@ -38,9 +39,9 @@ glm::dvec3 between(std::span<const Stop> stops, double t) {
 constexpr std::array<Stop, 9> blob_stops{{{0, {34, 0, -14}},
                                           {3, {27, 0, -13}},
                                           {5.8, {24, 0, -13}},
-                                          {8.6, {12.4, 0, -10.4}},
-                                          {10.4, {11.6, 0, -10.2}},
-                                          {12.8, {16.5, 0, -15}},
+                                          {9.0, {7.9, 0, -7.9}},
+                                          {10.8, {7.5, 0, -7.5}},
+                                          {13.2, {16.5, 0, -15}},
                                           {14.6, {21, 0, -18.2}},
                                           {15.4, {21.5, 0, -18.5}},
                                           {20, {21.5, 0, -18.5}}}};
@@ -56,7 +57,7 @@ glm::dvec3 saucer_at(double t) {
 
 glm::dvec3 blob_at(double t) {
   glm::dvec3 at = between(blob_stops, t);
-  at.y = kerb_m;
+  at.y = kerb_m - 0.1;
   // It hops a little as it goes.
   const glm::dvec3 move = between(blob_stops, t + 0.05) - between(blob_stops, t - 0.05);
   at.y += 0.22 * std::abs(std::sin(4.2 * t)) * std::min(glm::length(glm::dvec2(move.x, move.z)) / 0.25, 1.0);
@@ -66,15 +67,24 @@ glm::dvec3 blob_at(double t) {
 
 // Where it looks: the way it goes, then at the cars, up the lamps, and up to the saucer.
 glm::dvec3 blob_look(double t) {
-  static constexpr std::array<Stop, 8> looks{{{0, {-1, 0.1, 0.2}},
-                                              {4.0, {-0.2, 0.9, 0.5}},
-                                              {6.0, {-1, 0.2, 0.1}},
-                                              {8.6, {-0.7, 0.5, 0.7}},
-                                              {9.6, {-0.9, 0.1, 0.5}},
-                                              {10.4, {0.1, 1, 0.3}},
-                                              {12.0, {0.8, 0.2, -0.6}},
-                                              {14.6, {0.1, 1, -0.3}}}};
+  static constexpr std::array<Stop, 10> looks{{{0, {-1, 0.1, 0.2}},
+                                               {4.0, {-0.2, 0.9, 0.5}},
+                                               {6.0, {-1, 0.2, 0.1}},
+                                               {8.8, {-0.5, 0.5, 0.8}},
+                                               {9.6, {-0.9, 0.15, 0.5}},
+                                               {10.4, {0.5, 0.8, 0.6}},
+                                               {12.0, {0.8, 0.2, -0.6}},
+                                               {12.9, {-0.75, 0.3, 0.65}},
+                                               {13.8, {-0.75, 0.3, 0.65}},
+                                               {14.9, {-0.4, 0.9, 0.35}}}};
   return glm::normalize(between(looks, t));
+}
+
+// Eyes look a little less up and down than the head reaches, and now and then aside.
+glm::dvec3 gaze(double t) {
+  const glm::dvec3 look = blob_look(t);
+  const double aside = 0.35 * std::sin(1.1 * t) * std::sin(2.3 * t), c = std::cos(aside), s = std::sin(aside);
+  return glm::normalize(glm::dvec3(c * look.x + s * look.z, std::clamp(look.y, -0.5, 0.9), c * look.z - s * look.x));
 }
 
 glm::dvec3 ball_at(size_t ball, double t) {
@@ -86,9 +96,27 @@ glm::dvec3 ball_at(size_t ball, double t) {
     const double turn = (ball % 2 ? 1.3 : -1.1) * t + 2 * pi * double(ball) / 4;
     at = glm::dvec3(0.5 * std::cos(turn), 0.5 + 0.12 * std::sin(1.7 * t + double(ball)), 0.5 * std::sin(turn));
   }
-  at.y += stretch * (ball == 1 ? 0.9 : ball == 0 ? 0.2 : -0.12 * double(ball));
+  at.y += stretch * (ball == 1 ? 0.4 : ball == 0 ? 0.15 : -0.1 * double(ball - 1));
   at.x *= 1 - 0.35 * stretch, at.z *= 1 - 0.35 * stretch;
   return at;
+}
+
+// Two eyes that look to -Z, about the middle of the ball that is its head.
+int make_eyes(Town& town) {
+  MeshKit kit;
+  const auto ball = [&](const Paint& paint, glm::dvec3 at, double radius) {
+    std::vector<OutlinePoint> outline;
+    for (int i = 0; i <= 10; ++i) {
+      const double a = pi * (double(i) / 10 - 0.5);
+      outline.push_back({radius * std::cos(a), radius * std::sin(a), std::cos(a), std::sin(a)});
+    }
+    kit.turned(paint, at, outline, 16);
+  };
+  for (double side : {-1.0, 1.0}) {
+    ball(town.m.line_paint.tinted(glm::dvec3(0.85)), {0.2 * side, 0.1, -0.42}, 0.15);
+    ball(town.m.glass.tinted(glm::dvec3(0.01)), {0.19 * side, 0.11, -0.49}, 0.092);
+  }
+  return kit.write(town.out, "eyes");
 }
 
 void add_blob(Town& town) {
@@ -112,11 +140,17 @@ void add_blob(Town& town) {
     std::vector<glm::dvec3> at;
     for (double t : times) at.push_back(ball_at(b, t));
     animate_places(out, ball, times, at);
+    if (b == 1) {
+      const int eyes = out.child(ball, "eyes", {{"mesh", make_eyes(town)}});
+      std::vector<glm::dquat> turns;
+      for (double t : times) turns.push_back(glm::quat_cast(glm::dmat3(look_at_pose({0, 0, 0}, gaze(t)))));
+      animate_turns(out, eyes, times, turns);
+    }
     balls.push_back({{"node", ball}, {"radius", number(radius[b])}});
   }
   // It glows by itself, the more the more curious it is.
-  json skin = pbr({0.1, 0.5, 0.34, 1}, 0, 0.2);
-  skin["emissiveFactor"] = vector_json({0.008, 0.13, 0.085});
+  json skin = pbr({0.15, 0.62, 0.43, 1}, 0, 0.2);
+  skin["emissiveFactor"] = vector_json({0.006, 0.1, 0.066});
   const int material = out.material("blob", skin);
   const int light =
       out.light({{"name", "blob"}, {"type", "point"}, {"color", vector_json({0.1, 1, 0.6})}, {"range", 9}});
@@ -127,7 +161,7 @@ void add_blob(Town& town) {
     const double curious = 0.5 + 0.5 * ease(7.5, 9, t) * (1 - 0.6 * ease(10.4, 11.4, t)) + 0.5 * ease(14.8, 16, t);
     const double dark = ease(4.5, 7.2, t);
     glow_times.push_back(t);
-    push(glow, glm::dvec3(0.008, 0.13, 0.085) * (0.12 + 0.88 * dark) * pulse * curious);
+    push(glow, glm::dvec3(0.006, 0.1, 0.066) * (0.12 + 0.88 * dark) * pulse * curious);
     candela.push_back(26 * dark * pulse * curious * (1 - ease(lift_to_s - 0.8, lift_to_s, t)));
   }
   out.animate_pointer(fmt::format("/materials/{}/emissiveFactor", material), "LINEAR", glow_times, glow, 3);
@@ -142,7 +176,7 @@ void add_blob(Town& town) {
       {"cell", 0.09},
       {"material", material},
       {"balls", std::move(balls)},
-      {"noise", {{"amplitude", 0.12}, {"frequency", 5}}}};
+      {"noise", {{"amplitude", 0.06}, {"frequency", 3}}}};
 }
 
 // --- the saucer
@@ -231,6 +265,16 @@ void add_saucer(Town& town) {
   out.child(hull, "rim lamps",
             {{"extensions", rim.extension(out, spot(town.switches, "rim lamp", 26, 0.4, 1.1, appear_s - 1))}});
 
+  // What lights the hull itself.
+  LightArrays under;
+  for (int i = 0; i < 8; ++i) {
+    const double a = 2 * pi * i / 8;
+    under.add({2.6 * std::cos(a), -1.7, 2.6 * std::sin(a)}, {0.5, 0.85, 1}, 9, 5, {0, 1, 0});
+    under.aim({0.4 * std::cos(a), 1, 0.4 * std::sin(a)});
+  }
+  out.child(hull, "hull lamps",
+            {{"extensions", under.extension(out, spot(town.switches, "hull lamp", 5, 0.5, 1.1, appear_s - 1))}});
+
   // The beam: a searchlight while it flies, then full.
   const int beam = out.light({{"name", "beam"},
                               {"type", "spot"},
@@ -238,7 +282,7 @@ void add_saucer(Town& town) {
                               {"range", 46},
                               {"spot", {{"innerConeAngle", 0.13}, {"outerConeAngle", 0.2}}}});
   const std::array on{0.0, 13.0, 13.3, 14.9, 15.3, 18.1, 18.45, 18.6};
-  const std::array candela{0.0, 0.0, 3500.0, 4000.0, 9000.0, 9000.0, 1000.0, 0.0};
+  const std::array candela{0.0, 0.0, 4000.0, 5000.0, 12000.0, 12000.0, 1500.0, 0.0};
   out.animate_pointer(fmt::format("/extensions/KHR_lights_punctual/lights/{}/intensity", beam), "LINEAR", on, candela,
                       1);
   LightArrays one;

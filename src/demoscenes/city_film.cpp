@@ -26,7 +26,7 @@ struct Shot {
 constexpr std::array<Shot, 3> shots{
     {{0, first_cut_s, {{-4.5, 21, 66}, {6, 7, -30}, 42}, {{-2.4, 10.6, 45}, {3.5, 7.6, -30}, 45}},
      {first_cut_s, second_cut_s, {{8.15, 1.6, 12.6}, {6.9, 2.6, -8}, 45}, {{8.3, 1.6, 6.6}, {8.2, 1.9, -10}, 37}},
-     {second_cut_s, end_s, {{7.3, 1.7, -6.9}, {24, 6.4, -21}, 52}, {{8.3, 1.8, -7.7}, {24, 7.6, -21}, 56}}}};
+     {second_cut_s, end_s, {{7.3, 1.7, -6.9}, {24, 6.3, -21}, 52}, {{8.3, 1.8, -7.7}, {24, 7.4, -21}, 56}}}};
 
 View view_at(const Shot& shot, double t) {
   const double u = std::clamp((t - shot.from_s) / (shot.to_s - shot.from_s), 0.0, 1.0);

@@ -140,7 +140,7 @@ struct Gait {
   double speed_m_s, stride_s, phase;
   bool with_lantern;
 };
-constexpr double flat_share = 0.5, roll_share = 0.1;  // of a stride: the foot flat, and on its toes
+constexpr double flat_share = 0.4, roll_share = 0.2;  // of a stride: the foot flat, and on its toes
 
 // Of a limb: where its upper end is, and its turn about +X from hanging straight down; above 0 it swings ahead.
 struct Limb {
@@ -151,7 +151,7 @@ struct Limb {
 // A foot so many strides after it touched the ground, 0 to 1: where its ankle is, below the hips at z = 0.
 Limb foot_at(const Gait& g, double into) {
   const double stride_m = g.speed_m_s * g.stride_s;
-  const auto flat_z = [&](double t) { return (t - 0.25) * stride_m; };
+  const auto flat_z = [&](double t) { return (t - 0.22) * stride_m; };
   constexpr double ball_z = -0.13, ball_y = 0.015, most_lift = 0.75;
   // The ball of the foot stays where it is on the ground, and the heel goes up.
   const auto rolled = [&](double t, double lift) {
@@ -176,8 +176,8 @@ double fraction(double x) { return x - std::floor(x); }
 
 // Lowest where both feet are on the ground and legs are farthest apart.
 double hip_height(const Gait& g, double time_s) {
-  const double wave = std::sin(2 * pi * (time_s / g.stride_s + g.phase));
-  return 0.878 + 0.024 * wave * wave;
+  const double wave = std::sin(2 * pi * (time_s / g.stride_s + g.phase - 0.05));
+  return 0.893 + 0.033 * wave * wave;
 }
 
 // Thigh and shin of the leg whose foot is there; the knee bends ahead.
@@ -285,7 +285,10 @@ class People {
     const int lantern = kit.write(town.out, "lantern");
     for (int g = 0; g < lantern_groups; ++g) {
       const double on_s = 5.6 + 0.6 * g;
-      lanterns_.push_back(town.switches.mesh_with(lantern, town.m.glows, town.switches.material(town.m.glows, on_s)));
+      const int paper = town.switches.material(town.m.glows, on_s);
+      town.out.root["materials"][size_t(paper)]["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] =
+          5;
+      lanterns_.push_back(town.switches.mesh_with(lantern, town.m.glows, paper));
       lamps_.push_back(spot(town.switches, "lantern", 6, 0.7, 1.12, on_s));
     }
   }

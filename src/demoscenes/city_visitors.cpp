@@ -13,7 +13,7 @@ namespace candela::city {
 namespace {
 
 using std::numbers::pi;
-constexpr glm::dvec3 hover{21.5, 12.6, -18.5};
+constexpr glm::dvec3 hover{21.5, 11.3, -18.5};
 constexpr double lift_from_s = 15.7, lift_to_s = 18.1, leave_s = 18.3, arrive_s = 15.0, appear_s = second_cut_s - 0.05;
 
 double ease(double from, double to, double t) {
@@ -67,12 +67,13 @@ glm::dvec3 blob_at(double t) {
 
 // Where it looks: the way it goes, then at the cars, up the lamps, and up to the saucer.
 glm::dvec3 blob_look(double t) {
-  static constexpr std::array<Stop, 10> looks{{{0, {-1, 0.1, 0.2}},
+  static constexpr std::array<Stop, 11> looks{{{0, {-1, 0.1, 0.2}},
                                                {4.0, {-0.2, 0.9, 0.5}},
                                                {6.0, {-1, 0.2, 0.1}},
-                                               {8.8, {-0.5, 0.5, 0.8}},
-                                               {9.6, {-0.9, 0.15, 0.5}},
-                                               {10.4, {0.5, 0.8, 0.6}},
+                                               {8.7, {0, 0.35, 1}},
+                                               {9.6, {0.1, 0.3, 1}},
+                                               {10.2, {-0.9, 0.2, 0.6}},
+                                               {10.8, {0.4, 0.7, 0.7}},
                                                {12.0, {0.8, 0.2, -0.6}},
                                                {12.9, {-0.75, 0.3, 0.65}},
                                                {13.8, {-0.75, 0.3, 0.65}},

@@ -16,7 +16,7 @@ vec3 relief_clip(Transform t, uint64_t base, mat4 clip_from_relative) {
   const Corners c = load_corners(frame.indices, item, g, uint(gl_PrimitiveID));
   vec3 p[3];
   for (int i = 0; i < 3; ++i) p[i] = load3(base, g.position + 3u * c.v[i]);
-  const float depth = relief_record(load_material(item.material).relief).depth * relief_point.depth;
+  const float depth = relief_record(load_material(item.material).relief).depth * relief_point.at.z;
   precise vec3 front = normalize_or(cross(p[1] - p[0], p[2] - p[0]), vec3(0.0));
   const vec3 w = relief_at.weights;
   precise vec3 local = w.x * p[0] + w.y * p[1] + w.z * p[2] - depth * front;

@@ -37,10 +37,13 @@ vec4 shade_triangle(uint triangle, vec2 place) {
   const bool on_relief =
       (batch.flags & batch_relief) != 0u && meet_relief(item, g, corners, m, ray, p, relief);
   Varyings v;
-  if (on_relief)
+  end_relief_light();
+  if (on_relief) {
     v = relief_varyings(item, g, corners, p, relief);
-  else
+    begin_relief_light(relief.layer, relief.at, relief.lod, relief.back);
+  } else {
     v = lit_varyings(item, g, corners, p);
+  }
 #else
   const Varyings v = lit_varyings(item, g, corners, p);
 #endif

@@ -30,6 +30,9 @@ Varyings load_varyings() {
   relief_at = meet_triangle(corners, ray);
   if (!meet_relief(item, g, corners, load_material(item.material), ray, relief_at, relief_point)) discard;
   put_relief_depth(corners, relief_at.position);
+#ifdef RELIEF_LIGHT
+  begin_relief_light(relief_point.layer, relief_point.at, relief_point.lod, relief_point.back);
+#endif
   return relief_varyings(item, g, corners, relief_at, relief_point);
 }
 // As lib/plane.glsl has it: of the relief.

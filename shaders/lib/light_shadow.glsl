@@ -16,6 +16,9 @@ float shadow_turn() {
 #include "lib/traced_light.glsl"
 #include "lib/sun_shadow.glsl"
 #include "lib/lamp_shadow.glsl"
+#ifdef RELIEFS
+#include "lib/relief_light.glsl"
+#endif
 #ifdef COLORED_SHADOWS
 #include "lib/shadow_color.glsl"
 #endif
@@ -41,7 +44,7 @@ vec3 deep_shadow(LightRef light, vec3 position, vec3 normal) {
 
 // 1 for lights without a map. Traced lights: of the point that begin_rays was called for. Of lights with a size the
 // part that is seen. number: the light's, for its own places on it.
-float light_visibility(LightRef light, uint number, vec3 position, vec3 normal) {
+float light_visibility_of_meshes(LightRef light, uint number, vec3 position, vec3 normal) {
   if (SUNS_TRACED || LAMPS_TRACED) {
     const bool is_sun = floatBitsToUint(light_word(light, 3u).y) == light_directional;
     if (is_sun ? SUNS_TRACED : LAMPS_TRACED) return traced_visibility(light, number);
@@ -61,6 +64,14 @@ float light_visibility(LightRef light, uint number, vec3 position, vec3 normal) 
   if (HAS_SUN_SHADOWS == 0 || (HAS_LAMP_SHADOWS != 0 && is_lamp))
     return lamp_visibility(is_lamp ? place : 0u, light, position, normal);
   return sun_visibility(is_lamp ? 0u : place, position, normal);
+}
+
+float light_visibility(LightRef light, uint number, vec3 position, vec3 normal) {
+  float seen = light_visibility_of_meshes(light, number, position, normal);
+#ifdef RELIEFS
+  if (seen > 0.0) seen *= relief_visibility(light, position);
+#endif
+  return seen;
 }
 
 // A light's part of the radiance, as far as it comes through. surface_point, plane_normal: where its triangle is.

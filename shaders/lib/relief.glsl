@@ -5,8 +5,10 @@
 // 2005), or from texel to texel, where the bilinear height is a quadratic along the ray. Heights are sampled at one mip
 // level, that of the flat surface: no level jumps where the surface steps. Needs lib/bindless.glsl and shared/scene.h.
 layout(constant_id = 34) const int RELIEF_SEARCH = 0;
-const int RELIEF_STEPS = RELIEF_SEARCH & 0xffff, RELIEF_REFINEMENTS = RELIEF_SEARCH >> 16 & 0xff;
+const int RELIEF_STEPS = RELIEF_SEARCH & 0x7ff, RELIEF_REFINEMENTS = RELIEF_SEARCH >> 22 & 0x1f;
+const int RELIEF_LIGHT_STEPS = (RELIEF_SEARCH >> 11 & 0x7ff) - 1;  // lib/relief_light.glsl; below 0: none
 const int RELIEF_MOST_TEXELS = 16384;  // of a ray
+const float RELIEF_FARTHEST = 256.0;   // of triangles, along a relief without end
 
 // A triangle's layer, in any space: corner + weights.x * e1 + weights.y * e2 + depth * below.
 struct Relief {
@@ -122,12 +124,12 @@ float relief_by_texels(Relief r, vec3 from, vec3 to, bool above, bool to_floor) 
   return above && to_floor ? 1.0 : -1.0;
 }
 
-float relief_by_steps(Relief r, vec3 from, vec3 to, bool above, bool to_floor, float lod) {
+float relief_by_steps(Relief r, vec3 from, vec3 to, bool above, bool to_floor, float lod, int steps, int refinements) {
   const vec2 start = relief_texture_uv(r, from.xy), way = relief_texture_uv(r, to.xy) - start;
   const float sinks = to.z - from.z;
   float low = 0.0, high = -1.0;
-  for (int i = above ? 1 : 0; i <= RELIEF_STEPS; ++i) {
-    const float t = float(i) / float(RELIEF_STEPS);
+  for (int i = above ? 1 : 0; i <= steps; ++i) {
+    const float t = float(i) / float(steps);
     const bool below = from.z + t * sinks >= textureLod(RELIEF_TEXTURE(r), start + t * way, lod).r;
     if (below && above) {
       high = t;
@@ -139,7 +141,7 @@ float relief_by_steps(Relief r, vec3 from, vec3 to, bool above, bool to_floor, f
     }
   }
   if (high < 0.0) return above && to_floor ? 1.0 : -1.0;
-  for (int i = 0; i < RELIEF_REFINEMENTS; ++i) {
+  for (int i = 0; i < refinements; ++i) {
     const float t = 0.5 * (low + high);
     const bool below = from.z + t * sinks >= textureLod(RELIEF_TEXTURE(r), start + t * way, lod).r;
     low = below ? low : t;
@@ -149,8 +151,8 @@ float relief_by_steps(Relief r, vec3 from, vec3 to, bool above, bool to_floor, f
 }
 
 // The first place on the way between two at which it goes from above the surface to below. above: it begins there;
-// else it has to come out first.
-ReliefMet relief_between(Relief r, vec3 from, vec3 to, bool above, float lod) {
+// else it has to come out first. steps, refinements: 0 steps: from texel to texel.
+ReliefMet relief_between(Relief r, vec3 from, vec3 to, bool above, float lod, int steps, int refinements) {
   bool to_floor = to.z >= 1.0;
   if (r.ends) {
     const vec2 at = r.uv + from.x * r.uv1 + from.y * r.uv2;
@@ -173,10 +175,13 @@ ReliefMet relief_between(Relief r, vec3 from, vec3 to, bool above, float lod) {
     from = mix(begin, to, first);
     to = mix(begin, to, last);
   }
-  const float t = RELIEF_STEPS == 0 ? relief_by_texels(r, from, to, above, to_floor)
-      : relief_by_steps(r, from, to, above, to_floor, lod);
+  const float t = steps == 0 ? relief_by_texels(r, from, to, above, to_floor)
+      : relief_by_steps(r, from, to, above, to_floor, lod, steps, refinements);
   if (t < 0.0) return RELIEF_MISSED;
   return ReliefMet(true, mix(from, to, t));
+}
+ReliefMet relief_between(Relief r, vec3 from, vec3 to, bool above, float lod) {
+  return relief_between(r, from, to, above, lod, RELIEF_STEPS, RELIEF_REFINEMENTS);
 }
 
 // Rows of the matrix that gives a step's weights and depth; false: the layer has no inside.

@@ -14,23 +14,26 @@ vec2 relief_entry(Corners c, ViewRay ray) {
 }
 
 // What shading takes of it. front: the unit normal of the surface, towards the glTF front; lean: what leans a vertex
-// normal over; depth: in the layer.
+// normal over; at: its place in the layer, whose heights have been read at level lod; back: it is seen from behind.
 struct ReliefPoint {
   vec3 front, lean;
-  float depth;
+  Relief layer;
+  vec3 at;
+  float lod;
+  bool back;
 };
 void put_relief_place(Relief r, vec3 at, inout TrianglePoint p) {
   p.position = relief_place(r, at);
   p.weights = vec3(1.0 - at.x - at.y, at.xy);
 }
-ReliefPoint relief_point_at(Relief r, Material m, vec2 weights, float depth, float lod, bool back) {
-  ReliefPoint point = ReliefPoint(normalize_or(cross(r.e1, r.e2), vec3(0.0)), vec3(0.0), depth);
+ReliefPoint relief_point_at(Relief r, Material m, vec3 at, float lod, bool back) {
+  ReliefPoint point = ReliefPoint(normalize_or(cross(r.e1, r.e2), vec3(0.0)), vec3(0.0), r, at, lod, back);
   if (dot(point.front, r.below) > 0.0) point.front = -point.front;
   if (back) return point;
   const float over = exp2(lod);
-  const vec3 lean = relief_lean(r, relief_slope(r, weights, over > 1.0 ? over : 0.0, lod));
+  const vec3 lean = relief_lean(r, relief_slope(r, at.xy, over > 1.0 ? over : 0.0, lod));
   point.front = normalize_or(point.front + lean, point.front);
-  if (m.normal_texture.texture == absent) point.lean = relief_lean(r, relief_slope(r, weights, max(over, 1.0), lod));
+  if (m.normal_texture.texture == absent) point.lean = relief_lean(r, relief_slope(r, at.xy, max(over, 1.0), lod));
   return point;
 }
 // The point of a triangle where a ray meets it becomes that of its relief. False: it passes by.
@@ -40,11 +43,9 @@ bool meet_relief(Item item, Geometry g, Corners c, Material m, ViewRay ray, inou
   const float lod = relief_level(r, p.across, p.down);
   bool back;
   const ReliefMet met = relief_through(r, relief_entry(c, ray), ray.direction, lod, back);
-  point = ReliefPoint(vec3(0.0), vec3(0.0), 0.0);
-  if (!met.met) return false;
-  put_relief_place(r, met.at, p);
-  point = relief_point_at(r, m, met.at.xy, met.at.z, lod, back);
-  return true;
+  if (met.met) put_relief_place(r, met.at, p);
+  point = relief_point_at(r, m, met.at, lod, back);
+  return met.met;
 }
 // Its place alone.
 bool meet_relief_depth(Item item, Geometry g, Corners c, Material m, ViewRay ray, inout TrianglePoint p) {

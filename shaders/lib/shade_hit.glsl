@@ -29,6 +29,9 @@ HitPoint hit_point(TraceHit hit, TraceRay along, float pixel_m, float cone) {
   const mat3 axes = axes_about(along.direction);
   // Slopes are those of a camera there: what a pixel is wide at 1 m, or, without perspective, anywhere.
   const float width = frame.perspective != 0u ? width_m / max(hit.t, 1e-30) : width_m;
+#ifdef RELIEFS
+  end_relief_light();
+#endif
   TrianglePoint p =
       meet_triangle(corners, ViewRay(along.origin, along.direction, width * axes[0], width * axes[1]));
   HitPoint h;
@@ -41,7 +44,9 @@ HitPoint hit_point(TraceHit hit, TraceRay along, float pixel_m, float cone) {
     const vec2 at = vec2(hit.u, hit.v);
     const float depth = hit.back != 0u ? 1.0 : relief_height(r, at);
     put_relief_place(r, vec3(at, depth), p);
-    h.v = relief_varyings(item, g, corners, p, relief_point_at(r, h.m, at, depth, 0.0, hit.back != 0u));
+    const ReliefPoint point = relief_point_at(r, h.m, vec3(at, depth), 0.0, hit.back != 0u);
+    begin_relief_light(point.layer, point.at, point.lod, point.back);
+    h.v = relief_varyings(item, g, corners, p, point);
   } else {
     h.v = lit_varyings(item, g, corners, p);
   }

@@ -1,6 +1,5 @@
 // Rays that begin on a relief. Needs lib/trace.glsl with RELIEFS.
-const int RELIEF_MOST_BEFORE = 8;     // surfaces before one that is looked for: backs, and blended ones
-const float RELIEF_FARTHEST = 256.0;  // of triangles, along a relief without end
+const int RELIEF_MOST_BEFORE = 8;  // surfaces before one that is looked for: backs, and blended ones
 
 // Where a ray that leaves a point of a relief meets that relief again, by the layer's own sides and floor as far as up
 // through its plane, which the triangles tell alone; below 0: nowhere.

@@ -40,7 +40,7 @@ std::vector<SpecConstant> features_of(const PlannedFrame& f) {
   std::vector<SpecConstant> features =
       scene_features(f.facts, f.facts.environment || f.request.neutral_light || f.facts.probes > 0);
   if (f.facts.probes > 0) features.push_back(probes_constant(f.facts.probes));
-  if (f.facts.any_relief) features.push_back(relief_constant(f.relief.steps, f.relief.refinements));
+  if (f.facts.any_relief) features.push_back(relief_constant(f.relief.steps, f.relief.refinements, f.relief.light_steps));
   if (f.surfaces.specular_aa != 0) features.push_back(specular_aa_constant(f.surfaces.specular_aa));
   if (f.facts.image_light) {
     const bool sampled = IblMethod(f.image_light.method) == IblMethod::sampled;

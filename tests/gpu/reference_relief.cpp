@@ -60,6 +60,17 @@ class ReferenceRelief : public ReferenceParity {
       }
     return depths;
   }
+  // Of pixels' centres, with shadows.
+  static reference::Film truth_of(const Job& job) {
+    reference::Film film(width, height);
+    auto frame = open_reference(job, 0, {});
+    EXPECT_TRUE(frame) << (frame ? "" : frame.error().text());
+    if (!frame) return film;
+    reference::TraceSettings settings;
+    settings.sampler = {reference::SamplerKind::uniform, 1, 0};
+    film.add(reference::Integrator(*(*frame)->world, settings, width, height), 1, [](double) { return true; });
+    return film;
+  }
   struct Fit {
     size_t seen = 0, missed = 0;  // missed: off by more than a hundredth of the layer, or there and not there
     double rms = 0;               // of the others, metres
@@ -132,12 +143,7 @@ TEST_F(ReferenceRelief, ShadowsOfRaysAreThoseOfTheReference) {
   job.settings.push_back({"sun", "mode", "traced"});
   job.settings.push_back({"local", "method", "traced"});
   const Images images = images_of(job);
-  auto frame = open_reference(job, 0, {});
-  ASSERT_TRUE(frame) << frame.error().text();
-  reference::TraceSettings settings;
-  settings.sampler = {reference::SamplerKind::uniform, 1, 0};
-  reference::Film film(width, height);
-  film.add(reference::Integrator(*(*frame)->world, settings, width, height), 1, [](double) { return true; });
+  const reference::Film film = truth_of(job);
   size_t off = 0, seen = 0, dark = 0;
   for (size_t i = 0; i < film.pixels(); ++i) {
     const glm::dvec3 expected(film.mean(i));
@@ -147,6 +153,38 @@ TEST_F(ReferenceRelief, ShadowsOfRaysAreThoseOfTheReference) {
   }
   EXPECT_GT(dark, 10u) << "some of it lies in its own shadow";
   EXPECT_LE(double(off), 0.03 * double(seen));
+}
+
+TEST_F(ReferenceRelief, MarchesToLightsTendToTheReferencesShadows) {
+  // Joints below a sun that grazes the end of the square by which its light comes in, and a lamp.
+  GltfBuilder b = hilly(deep, true, false, 8);
+  add_light(b, {{"type", "directional"}, {"intensity", 3.0}}, {{"rotation", {0.0, 0.58, 0.0, 0.8146}}});
+  Job job = seen_aslant(write(b));
+  job.camera.eye = glm::dvec3(1.9, -0.6, 0.8), job.camera.target = glm::dvec3(0.3, 0, -0.1);
+  job.settings.push_back({"sun", "size_px", "1024"});
+  job.settings.push_back({"sun", "single_px", "1024"});
+  const reference::Film film = truth_of(job);
+  const auto off = [&](const char* technique, int steps) {  // of all light
+    Job marched = job;
+    marched.technique = technique;
+    marched.settings.push_back({"relief", "light_steps", std::to_string(steps)});
+    const Images images = images_of(marched);
+    double sum = 0, all = 0;
+    for (size_t i = 0; i < film.pixels(); ++i) {
+      const glm::vec4 found = images["beauty"].at<glm::vec4>(int(i) % width, int(i) / width);
+      sum += std::abs(double(found.x) - film.mean(i).x), all += film.mean(i).x;
+    }
+    return sum / all;
+  };
+  std::vector<double> by_steps;
+  for (const int steps : {-1, 4, 16, 64, 0}) by_steps.push_back(off("visibility", steps));
+  EXPECT_GT(by_steps[0], 0.04) << "by the map alone: what comes in by the ends is lit";
+  EXPECT_LT(by_steps[1], 0.3 * by_steps[0]);
+  EXPECT_LT(by_steps[2], 0.5 * by_steps[1]);
+  EXPECT_LT(by_steps[3], by_steps[2]);
+  EXPECT_LT(by_steps[4], by_steps[3]);
+  EXPECT_LT(by_steps[4], 0.004);
+  EXPECT_LT(off("clustered", 0), 0.004);
 }
 
 TEST_F(ReferenceRelief, OfDepthZeroIsTheFlatSquareBitForBit) {

@@ -163,8 +163,9 @@ std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map,
   return list;
 }
 
-SpecConstant relief_constant(int steps, int refinements) {
-  return constant(Feature::relief, 1u << 31 | uint32_t(steps) | uint32_t(refinements) << 16);
+SpecConstant relief_constant(int steps, int refinements, int light_steps) {
+  return constant(Feature::relief,
+                  1u << 31 | uint32_t(refinements) << 22 | uint32_t(light_steps + 1) << 11 | uint32_t(steps));
 }
 
 SpecConstant specular_aa_constant(int method) { return constant(Feature::specular_aa, uint32_t(method)); }

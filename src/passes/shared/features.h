@@ -56,7 +56,7 @@ std::vector<SpecConstant> with_subsample(std::vector<SpecConstant> features);
 // more.
 SpecConstant specular_aa_constant(int method);
 // Of a frame with reliefs (passes/surfaces/relief_knobs.h).
-SpecConstant relief_constant(int steps, int refinements);
+SpecConstant relief_constant(int steps, int refinements, int light_steps);
 void leave_out_reliefs(std::vector<SpecConstant>& constants);  // of a pass that meets none
 bool meets_reliefs(const std::vector<SpecConstant>& constants);
 // Of a pass that shades under lights with shadow maps.

@@ -21,6 +21,16 @@ std::span<const Knob> ReliefKnobs::table() {
        .description = "halvings of the step in which the ray met the relief: the depth is off by at most 1 / (steps * "
                       "2^refinements) of the layer's",
        .sweep = {2, 4, 8}},
+      {.name = "light_steps",
+       .member = &ReliefKnobs::light_steps,
+       .lowest = -1,
+       .highest = 1024,
+       .levels = {16, 0, 0, 0},
+       .description =
+           "even steps of the way from a point of a relief up to its plane, towards each light with a shadow map, by "
+           "which its own shadow is looked for: that of what the light comes past where it comes in by a wall's ends, "
+           "and of joints narrower than the map's texels. 0: texel by texel, exactly; -1: by the map alone",
+       .sweep = {-1, 4, 16, 0}},
   };
   return rows;
 }

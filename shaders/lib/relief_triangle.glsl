@@ -10,7 +10,12 @@ vec2 relief_entry(Corners c, ViewRay ray) {
   const float scale = 1.0 / max(max(most.x, max(most.y, most.z)), 1e-30);
   const vec3 e1 = a * scale, e2 = b * scale, q = (ray.origin - c.p[0]) * scale;
   const float towards = dot(cross(e1, e2), ray.direction), inverse = towards != 0.0 ? 1.0 / towards : 0.0;
-  return vec2(dot(q, cross(e2, ray.direction)), dot(q, cross(ray.direction, e1))) * inverse;
+  // Once more with what is left: a quotient may be off by 2.5 units in the last place, a share of the way over the
+  // triangle, which all its texels lie on.
+  const vec3 u = cross(e2, ray.direction), v = cross(ray.direction, e1);
+  const vec2 w = vec2(dot(q, u), dot(q, v)) * inverse;
+  const vec3 rest = q - w.x * e1 - w.y * e2;
+  return w + vec2(dot(rest, u), dot(rest, v)) * inverse;
 }
 
 // What shading takes of it. front: the unit normal of the surface, towards the glTF front; lean: what leans a vertex

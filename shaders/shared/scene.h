@@ -71,6 +71,8 @@ struct Material {
 struct ReliefRecord {
   TextureRef heights;
   float depth;  // in the mesh's space
+  float depth_before;              // those of the time before (lib/vertex_before.glsl), where anything moves
+  vec3 u_row_before, v_row_before;
 };
 
 // A punctual light in relative space. Spot factor (KHR_lights_punctual): saturate(spot_offset - e2 * spot_scale)^2,

@@ -335,9 +335,9 @@ void FrameUpload::clear() {
   empty(transforms, places, geometries, items, item_groups, item_spans, item_sections, materials, lobes, lights,
         light_groups, groups, batches, batch_spans, triangle_numbers, drawn_items, deform_jobs, object_mattes,
         material_mattes, motion, joints_before, weights_before, metaball_bodies, metaballs, metaball_blocks,
-        metaball_lists, metaballs_before);
+        metaball_lists, metaballs_before, reliefs_before);
   // A table that is not named above would keep the last frame's.
-  static_assert(sizeof(FrameUpload) == sizeof(shared::FrameConstants) + 27 * sizeof(std::vector<int>) + 3 * 8);
+  static_assert(sizeof(FrameUpload) == sizeof(shared::FrameConstants) + 28 * sizeof(std::vector<int>) + 3 * 8);
 }
 
 void make_frame_upload(const Scene& scene, const Pose& pose, const View& view, const FrameData& data,
@@ -449,6 +449,16 @@ bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
 }
 }  // namespace
 
+void add_reliefs_before(const Pose& now, const Pose& before, FrameUpload& upload) {
+  const auto same = [](const Material& a, const Material& b) {
+    const TextureSlot &s = a.relief.texture, &t = b.relief.texture;
+    return !a.has_relief() || (a.relief.depth == b.relief.depth && s.offset == t.offset && s.scale == t.scale &&
+                               s.rotation_rad == t.rotation_rad);
+  };
+  if (std::ranges::equal(now.materials, before.materials, same)) return;
+  for (const Material& m : before.materials) upload.reliefs_before.push_back(m.relief);
+}
+
 void add_motion(const FrameData& now, const View& view, const FrameData& before, const View& view_before,
                 FrameUpload& upload) {
   CHECK(before.relative_from_local.size() == now.relative_from_local.size());
@@ -458,7 +468,8 @@ void add_motion(const FrameData& now, const View& view, const FrameData& before,
   const bool deforms = reforms || !same_bits(before.joint_matrices, now.joint_matrices) ||
                        !same_bits(before.morph_weights, now.morph_weights);
   const glm::mat4 clip(view.clip_from_relative), clip_before(view_before.clip_from_relative);
-  if (!deforms && std::memcmp(&clip, &clip_before, sizeof clip) == 0 && same_bits(now.relative_from_local, before.relative_from_local))
+  if (!deforms && upload.reliefs_before.empty() && std::memcmp(&clip, &clip_before, sizeof clip) == 0 &&
+      same_bits(now.relative_from_local, before.relative_from_local))
     return;
   for (int column = 0; column < 4; ++column) upload.motion.push_back(clip_before[column]);
   for (const glm::mat4& m : before.relative_from_local) {

@@ -50,6 +50,7 @@ struct FrameUpload {
   // The time before, where the layer motion is wanted and something moves: a shared::Motion and its transforms, and
   // what vertices are deformed by where that differs.
   std::vector<glm::vec4> motion;
+  std::vector<Relief> reliefs_before;  // of materials; empty: as they are
   std::vector<glm::mat4> joints_before;
   std::vector<float> weights_before;
   // Of metaballs (shared/metaballs.h); the last likewise of the time before.
@@ -85,5 +86,7 @@ void add_drawn_items(const DrawList& draws, FrameUpload& upload);
 // Adds the time before, where anything moves in the picture: items of both are one for one.
 void add_motion(const FrameData& now, const View& view, const FrameData& before, const View& view_before,
                 FrameUpload& upload);
+// Before add_motion(): the reliefs of the time before, where they move.
+void add_reliefs_before(const Pose& now, const Pose& before, FrameUpload& upload);
 
 }  // namespace candela

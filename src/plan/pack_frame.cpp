@@ -36,6 +36,7 @@ Expected<void> pack_frame(const AskedFrame& asked, const SurveyedFrame& frame, c
   if (frame.request.wants_motion() && !context.face) {
     const auto before = pose_before(context.scene, asked.job, time_s, frame.pose);
     if (!before) return std::unexpected(before.error());
+    add_reliefs_before(frame.pose, before->pose, packed.upload);
     add_motion(frame.data, frame.view, before->data, before->view, packed.upload);
   }
   shared::FrameConstants& constants = packed.upload.constants;

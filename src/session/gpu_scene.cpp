@@ -307,7 +307,10 @@ void GpuScene::upload(PlannedFrame& frame, Uploaded& uploaded) {
     const Sampler& sampler = scene_.samplers[size_t(relief.texture.sampler)];
     static_assert(uint32_t(Wrap::repeat) == shared::wrap_repeat && uint32_t(Wrap::clamp) == shared::wrap_clamp &&
                   uint32_t(Wrap::mirror) == shared::wrap_mirror);
-    shared::ReliefRecord record{texture_ref(relief.texture, false), relief.depth};
+    const Relief& before = frame.upload.reliefs_before.empty() ? relief : frame.upload.reliefs_before[m];
+    const shared::TextureRef heights_before = texture_ref(before.texture, false);
+    shared::ReliefRecord record{texture_ref(relief.texture, false), relief.depth, before.depth, heights_before.u_row,
+                                heights_before.v_row};
     record.heights.wraps = uint32_t(sampler.wrap_u) | uint32_t(sampler.wrap_v) << 2;
     std::memcpy(static_cast<void*>(&frame.upload.materials[frame.upload.materials[m].relief]), &record, sizeof record);
   }

@@ -1,7 +1,7 @@
 // CANDELA_materials_blinn_phong: what is read, what is refused or left out, and its animation.
 #include <gtest/gtest.h>
 
-#include "gltf_builder.h"
+#include "gltf_pointers.h"
 #include "scene/material_table.h"
 #include "scene/pose.h"
 
@@ -71,18 +71,9 @@ TEST(GltfBlinnPhong, RangesAreKept) {
 
 TEST(GltfBlinnPhong, FactorsAreAnimated) {
   GltfBuilder b = with(blinn_phong(Json::object()));
-  b.use("KHR_animation_pointer");
-  const int times = b.accessor<float>("SCALAR", {0, 1});
-  b.json["animations"] = {{{"channels", Json::array()}, {"samplers", Json::array()}}};
-  const auto animate = [&](const char* pointer, const char* type, const std::vector<float>& values) {
-    Json& a = b.json["animations"][0];
-    a["samplers"].push_back({{"input", times}, {"output", b.accessor<float>(type, values)}});
-    a["channels"].push_back(
-        {{"sampler", a["samplers"].size() - 1},
-         {"target", {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", pointer}}}}}}}});
-  };
-  animate("/materials/0/extensions/CANDELA_materials_blinn_phong/exponent", "SCALAR", {2, 10});
-  animate("/materials/0/extensions/CANDELA_materials_blinn_phong/specularFactor", "VEC3", {0, 0, 0, 1, 0.5f, 0});
+  animate_pointers(
+      b, {{"/materials/0/extensions/CANDELA_materials_blinn_phong/exponent", "SCALAR", {2, 10}},
+          {"/materials/0/extensions/CANDELA_materials_blinn_phong/specularFactor", "VEC3", {0, 0, 0, 1, 0.5f, 0}}});
   const auto scene = b.load();
   ASSERT_TRUE(scene) << scene.error().text();
   const Pose pose = evaluate_pose(*scene, *choose_animations(*scene, "all"), 0.5);

@@ -1,7 +1,7 @@
 // CANDELA_relief: what is read, what is refused or left out, and its animation.
 #include <gtest/gtest.h>
 
-#include "gltf_builder.h"
+#include "gltf_pointers.h"
 #include "scene/geometry_layout.h"
 #include "scene/material_table.h"
 #include "scene/pose.h"
@@ -91,20 +91,11 @@ TEST(GltfRelief, DepthAndTransformAreAnimated) {
   Json extension = height(1);
   extension["heightTexture"]["extensions"]["KHR_texture_transform"] = {{"offset", {0, 0}}};
   GltfBuilder b = with(extension);
-  b.use("KHR_animation_pointer");
   b.use("KHR_texture_transform");
-  const int times = b.accessor<float>("SCALAR", {0, 1});
-  b.json["animations"] = {{{"channels", Json::array()}, {"samplers", Json::array()}}};
-  const auto animate = [&](const char* pointer, const char* type, const std::vector<float>& values) {
-    Json& a = b.json["animations"][0];
-    a["samplers"].push_back({{"input", times}, {"output", b.accessor<float>(type, values)}});
-    a["channels"].push_back(
-        {{"sampler", a["samplers"].size() - 1},
-         {"target", {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", pointer}}}}}}}});
-  };
-  animate("/materials/0/extensions/CANDELA_relief/depth", "SCALAR", {0, 0.5f});
-  animate("/materials/0/extensions/CANDELA_relief/heightTexture/extensions/KHR_texture_transform/offset", "VEC2",
-          {0, 0, 1, 0.5f});
+  animate_pointers(
+      b, {{"/materials/0/extensions/CANDELA_relief/depth", "SCALAR", {0, 0.5f}},
+          {"/materials/0/extensions/CANDELA_relief/heightTexture/extensions/KHR_texture_transform/offset", "VEC2",
+           {0, 0, 1, 0.5f}}});
   const auto scene = b.load();
   ASSERT_TRUE(scene) << scene.error().text();
   const Pose pose = evaluate_pose(*scene, *choose_animations(*scene, "all"), 0.5);

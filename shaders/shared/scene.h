@@ -70,8 +70,8 @@ struct Material {
 // Of a material's relief; it takes the place of a material, behind all of them.
 struct ReliefRecord {
   TextureRef heights;
-  float depth;  // in the mesh's space
-  float depth_before;              // those of the time before (lib/vertex_before.glsl), where anything moves
+  float depth;         // in the mesh's space
+  float depth_before;  // those of the time before (lib/vertex_before.glsl), where anything moves
   vec3 u_row_before, v_row_before;
 };
 

@@ -33,10 +33,10 @@ TEST_F(ReferenceRelief, MovesByItsDepthAndItsHeights) {
   b.use("KHR_texture_transform");
   b.json["materials"].back()["extensions"]["CANDELA_relief"]["heightTexture"]["extensions"]["KHR_texture_transform"] = {
       {"offset", {0, 0}}};
-  animate_pointers(
-      b, {{"/materials/0/extensions/CANDELA_relief/depth", "SCALAR", {0.3f, 0.05f}},
-          {"/materials/0/extensions/CANDELA_relief/heightTexture/extensions/KHR_texture_transform/offset", "VEC2",
-           {0, 0, 0.5f, 0.25f}}});
+  animate_pointers(b, {{"/materials/0/extensions/CANDELA_relief/depth", "SCALAR", {0.3f, 0.05f}},
+                       {"/materials/0/extensions/CANDELA_relief/heightTexture/extensions/KHR_texture_transform/offset",
+                        "VEC2",
+                        {0, 0, 0.5f, 0.25f}}});
   Job job = seen_aslant(write(b));
   job.layers = {"motion", "depth"};
   constexpr double time_s = 0.5;
@@ -73,7 +73,8 @@ TEST_F(ReferenceRelief, MovesByItsDepthAndItsHeights) {
   EXPECT_GT(mean / double(seen), 0.1) << "it moves";
 }
 
-// Two joints bend the square about its diagonal, or a morph target does, or it is an instance that is turned and scaled.
+// Two joints bend the square about its diagonal, or a morph target does, or it is an instance that is turned and
+// scaled.
 GltfBuilder posed(const std::string& how) {
   GltfBuilder b = hilly(deep, how != "skinned", false);
   Json& primitive = b.json["meshes"][0]["primitives"][0];

@@ -92,10 +92,10 @@ TEST(GltfRelief, DepthAndTransformAreAnimated) {
   extension["heightTexture"]["extensions"]["KHR_texture_transform"] = {{"offset", {0, 0}}};
   GltfBuilder b = with(extension);
   b.use("KHR_texture_transform");
-  animate_pointers(
-      b, {{"/materials/0/extensions/CANDELA_relief/depth", "SCALAR", {0, 0.5f}},
-          {"/materials/0/extensions/CANDELA_relief/heightTexture/extensions/KHR_texture_transform/offset", "VEC2",
-           {0, 0, 1, 0.5f}}});
+  animate_pointers(b, {{"/materials/0/extensions/CANDELA_relief/depth", "SCALAR", {0, 0.5f}},
+                       {"/materials/0/extensions/CANDELA_relief/heightTexture/extensions/KHR_texture_transform/offset",
+                        "VEC2",
+                        {0, 0, 1, 0.5f}}});
   const auto scene = b.load();
   ASSERT_TRUE(scene) << scene.error().text();
   const Pose pose = evaluate_pose(*scene, *choose_animations(*scene, "all"), 0.5);

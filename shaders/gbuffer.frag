@@ -1,5 +1,6 @@
 #version 460
-// What the shading of the nearest surface takes, into the G-buffer. LOBES_APART: its lobes alone.
+// What the shading of the nearest surface takes, into the G-buffer. LOBES_APART: its lobes alone. RELIEF_BESIDE,
+// RELIEF_APART: the triangle of a relief too, or alone (lib/gbuffer_relief.glsl).
 #include "shared/draw.h"
 layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/features.glsl"
@@ -9,16 +10,37 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/covered.glsl"
 #include "lib/plane.glsl"
 #include "lib/gbuffer.glsl"
-#ifdef LOBES_APART
+#ifdef RELIEF_APART
+layout(location = 0) out uvec4 out_texels[1];
+#elif defined(LOBES_APART)
 layout(location = 0) out uvec4 out_texels[gbuffer_lobe_texels];
 #else
 layout(location = 0) out uvec4 out_texels[GBUFFER];
+#endif
+#ifdef RELIEF_BESIDE
+layout(location = GBUFFER) out uvec4 out_relief;
+#endif
+#if defined(RELIEF) && (defined(RELIEF_APART) || defined(RELIEF_BESIDE))
+uvec4 relief_texel() {
+  return relief_point.back ? uvec4(0u)
+      : uvec4(in_item + 1u, uint(gl_PrimitiveID), floatBitsToUint(relief_point.lod), 0u);
+}
 #endif
 
 void main() {
   if (!is_any_covered()) return;
   const Material m = load_material(in_ids.x);
   const Varyings v = load_varyings();
+#ifdef RELIEF_APART
+  out_texels[0] = relief_texel();
+#else
+#ifdef RELIEF_BESIDE
+#ifdef RELIEF
+  out_relief = relief_texel();
+#else
+  out_relief = uvec4(0u);
+#endif
+#endif
   SurfacePoint p = no_point();
   p.position = p.on_triangle = p.at_middle = v.relative_position;
   p.is_unlit = IS_UNLIT != 0;
@@ -38,5 +60,6 @@ void main() {
   lobes_to_texels(p.surface.lobes, out_texels);
 #else
   out_texels = gbuffer_of(p).texel;
+#endif
 #endif
 }

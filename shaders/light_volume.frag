@@ -8,11 +8,16 @@
 layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/features.glsl"
 #include "lib/scene.glsl"
+#ifdef RELIEF_TEXEL
+#include "lib/vertex_position.glsl"
+#include "lib/vertex_attributes.glsl"
+#endif
 #include "lib/surface.glsl"
 #include "lib/view_ray.glsl"
 #include "lib/shade.glsl"
 #include "lib/gbuffer.glsl"
 #include "lib/gbuffer_read.glsl"
+#include "lib/gbuffer_relief.glsl"
 #ifndef BASE
 layout(location = 0) in flat uint in_light;
 #endif
@@ -39,6 +44,9 @@ void main() {
 #endif
   const vec3 to_viewer = direction_to_viewer();
   const SurfacePoint p = surface_point_of(g, to_viewer);
+#if defined(RELIEF_TEXEL) && !defined(BASE)
+  begin_gbuffer_relief(g, p.on_triangle);
+#endif
 #ifdef BASE
   vec3 radiance = p.surface.emission;
 #else

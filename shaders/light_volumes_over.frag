@@ -23,7 +23,7 @@ void main() {
   GBufferSample g;
   load_texels(g, at, s, 0, texels_of_position);
   if (!is_seen(g)) return;
-  const uint sum = uint(pc.table >> 48) & 15u;
+  const uint sum = uint(pc.table >> 60) & 15u;
   vec3 radiance =
       (SAMPLES > 1 ? texelFetch(pass_multisampled_images[sum], at, s) : texelFetch(pass_images[sum], at, 0)).rgb;
 #ifndef EXPOSED

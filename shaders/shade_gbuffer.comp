@@ -6,11 +6,16 @@
 layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #include "lib/features.glsl"
 #include "lib/scene.glsl"
+#ifdef RELIEF_TEXEL
+#include "lib/vertex_position.glsl"
+#include "lib/vertex_attributes.glsl"
+#endif
 #include "lib/surface.glsl"
 #include "lib/view_ray.glsl"
 #include "lib/shade.glsl"
 #include "lib/gbuffer.glsl"
 #include "lib/gbuffer_read.glsl"
+#include "lib/gbuffer_relief.glsl"
 #include "lib/store_samples.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -67,6 +72,10 @@ void main() {
     pixel_middle = vec2(at) + 0.5;
     const vec3 to_viewer = direction_to_viewer();
     const GBufferSample g = load_gbuffer(at, int(item >> 6u & 7u));
-    store_samples(at, item >> 9u, shade_point(surface_point_of(g, to_viewer), to_viewer));
+    const SurfacePoint p = surface_point_of(g, to_viewer);
+#ifdef RELIEF_TEXEL
+    begin_gbuffer_relief(g, p.on_triangle);
+#endif
+    store_samples(at, item >> 9u, shade_point(p, to_viewer));
   }
 }

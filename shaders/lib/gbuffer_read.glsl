@@ -11,10 +11,15 @@ uvec4 gbuffer_texel(int image, ivec2 pixel, int s) {
       : texelFetch(pass_uint_images[place], pixel, 0);
 }
 
-#ifdef LOBED
-const int gbuffer_images = GBUFFER + gbuffer_lobe_texels;
+#ifndef RELIEF_TEXEL
+#define GBUFFER_RELIEFS 0
 #else
-const int gbuffer_images = GBUFFER;
+#define GBUFFER_RELIEFS 1
+#endif
+#ifdef LOBED
+const int gbuffer_images = GBUFFER + gbuffer_lobe_texels + GBUFFER_RELIEFS;
+#else
+const int gbuffer_images = GBUFFER + GBUFFER_RELIEFS;
 #endif
 struct GBufferSample {
   uvec4 texel[gbuffer_images];
@@ -53,7 +58,7 @@ SurfacePoint surface_point_of(GBufferSample g, vec3 to_viewer) {
   SurfacePoint p = point_of(own_texels(g));
 #ifdef LOBED
   uvec4 lobes[gbuffer_lobe_texels];
-  for (int i = 0; i < gbuffer_lobe_texels; ++i) lobes[i] = g.texel[GBUFFER + i];
+  for (int i = 0; i < gbuffer_lobe_texels; ++i) lobes[i] = g.texel[GBUFFER + GBUFFER_RELIEFS + i];
   lobes_from_texels(lobes, to_viewer, p.surface);
 #endif
   return p;

@@ -23,7 +23,8 @@ Shaded deferred(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces
                 std::string_view instance) {
   const Lighting lists = lighting;
   const GBufferImages gbuffer = gbuffer_of(frame, scene, surfaces, lists, instance);
-  return {sampled_image(frame, scene, frame.add(ShadeGBuffer{}, {scene, gbuffer, lists}, instance).samples, instance)};
+  return {sampled_image(
+      frame, scene, frame.add(ShadeGBuffer{}, {scene, gbuffer, lists, surfaces.deformed}, instance).samples, instance)};
 }
 
 // The same, light by light (Hargreaves and Harris, "Deferred Shading", 2004).
@@ -33,7 +34,8 @@ Shaded deferred_volumes(Frame& frame, const SceneInputs& scene, const Surfaces& 
   const GBufferImages gbuffer = gbuffer_of(frame, scene, surfaces, lists, instance);
   const LightVolumes volumes =
       frame.add(LightVolumeLists{}, {scene, frame.knobs.get<ShadeVolumes::Knobs>().depth_test == 0}, instance).volumes;
-  return {frame.add(ShadeVolumes{}, {scene, gbuffer, lists, volumes, surfaces.depth}, instance).color};
+  return {
+      frame.add(ShadeVolumes{}, {scene, gbuffer, lists, volumes, surfaces.depth, surfaces.deformed}, instance).color};
 }
 
 }  // namespace candela

@@ -126,6 +126,11 @@ void leave_out_reliefs(std::vector<SpecConstant>& constants) {
   std::erase_if(constants, [](const SpecConstant& c) { return Feature(c.id) == Feature::relief; });
 }
 bool meets_reliefs(const std::vector<SpecConstant>& constants) { return holds(constants, Feature::relief); }
+bool marches_to_lights(const std::vector<SpecConstant>& constants) {
+  return std::ranges::any_of(constants, [](const SpecConstant& c) {
+    return Feature(c.id) == Feature::relief && (c.value >> 11 & 0x7ff) != 0;  // as relief_constant()
+  });
+}
 bool sends_rays(const std::vector<SpecConstant>& constants) { return holds(constants, Feature::ray_stack); }
 bool mirrors_sky(const std::vector<SpecConstant>& constants) {
   return std::any_of(constants.begin(), constants.end(),

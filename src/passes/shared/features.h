@@ -59,6 +59,7 @@ SpecConstant specular_aa_constant(int method);
 SpecConstant relief_constant(int steps, int refinements, int light_steps);
 void leave_out_reliefs(std::vector<SpecConstant>& constants);  // of a pass that meets none
 bool meets_reliefs(const std::vector<SpecConstant>& constants);
+bool marches_to_lights(const std::vector<SpecConstant>& constants);  // in reliefs (relief.light_steps)
 // Of a pass that shades under lights with shadow maps.
 SpecConstant sun_shadows_constant(bool traced, bool soft);
 SpecConstant lamp_shadows_constant(bool traced, bool soft);

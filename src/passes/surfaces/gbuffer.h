@@ -32,8 +32,9 @@ struct GBufferKnobs {
 //   specular: 16 bytes: normals 2x12 octahedral, diffuse and specular reflectance sRGB8, a Phong exponent of 16 bits,
 //     depth 24 bits; metals and dielectrics are one, and surfaces that emit and take light emit nothing; the triangle's
 //     plane is the shading normal's.
-// Lobes are 80 bytes more in each, as floats, where visible materials have some, 96 where bodies scatter light. Leaves
-// wrong: in packed formats albedo, f0 and occlusion above 1 are 1. Measured errors: docs/techniques.md.
+// Reliefs whose light is looked for within them have their triangle in 16 bytes more. Lobes are 80 bytes more in each,
+// as floats, where visible materials have some, 96 where bodies scatter light. Leaves wrong: in packed formats albedo,
+// f0 and occlusion above 1 are 1. Measured errors: docs/techniques.md.
 struct GBuffer {
   static constexpr std::string_view name = "gbuffer";
   using Knobs = GBufferKnobs;
@@ -48,7 +49,8 @@ struct GBuffer {
   };
   struct Out {
     GBufferImages gbuffer;
-    BatchPipelines own, lobes;
+    BatchPipelines own, reliefs, lobes;
+    uint32_t own_images = 0;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

@@ -13,4 +13,12 @@ uint64_t gbuffer_places(CommandList& commands, const GBufferImages& gbuffer) {
   return places;
 }
 
+void read_gbuffer_reliefs(GraphBuilder& builder, const GBufferImages& gbuffer, const SceneInputs& s,
+                          BufferHandle deformed, Access access) {
+  if (!gbuffer.reliefs) return;
+  for (const BufferHandle b : {s.vertices, s.indices, s.items, s.transforms, s.geometries, s.materials})
+    builder.read(b, access, "the triangles of reliefs");
+  builder.read_optional(deformed, access);
+}
+
 }  // namespace candela

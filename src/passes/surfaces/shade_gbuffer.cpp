@@ -13,6 +13,7 @@ ShadeGBuffer::Out ShadeGBuffer::declare(GraphBuilder& builder, const In& in) con
   const SceneInputs& s = in.scene;
   builder.read(s.constants, Access::uniform_read, "the frame's constants");
   read_gbuffer(builder, in.gbuffer, Access::sampled_compute);
+  read_gbuffer_reliefs(builder, in.gbuffer, s, in.deformed, Access::compute_read);
   declare_lights(builder, s, in.lists, ReadBy::compute());
   declare_fog(builder, s, in.lists, true, ReadBy::compute());
   ComputePipelineDesc desc{
@@ -32,7 +33,8 @@ void ShadeGBuffer::record(CommandList& commands, const In& in, const Out& out) c
   own.word = gbuffer_places(commands, in.gbuffer);
   push_sample_store(commands, out.samples, own);
   commands.bind(out.pipeline);
-  commands.push(draw_push(commands, in.scene, {}, &in.lists, &in.lists, own));
+  const BufferHandle deformed = in.gbuffer.reliefs ? in.deformed : BufferHandle{};
+  commands.push(draw_push(commands, in.scene, deformed, &in.lists, &in.lists, own));
   commands.dispatch_picture(in.scene.width_px, in.scene.height_px);
 }
 

@@ -16,7 +16,8 @@ struct ShadeGBuffer {
   struct In {
     SceneInputs scene;
     GBufferImages gbuffer;
-    Lighting lists;  // empty: every light for every pixel
+    Lighting lists;         // empty: every light for every pixel
+    BufferHandle deformed;  // optional; of reliefs
   };
   struct Out {
     SampleStore samples;

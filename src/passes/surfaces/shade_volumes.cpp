@@ -51,6 +51,7 @@ ShadeVolumes::Out ShadeVolumes::declare(GraphBuilder& builder, const In& in) con
   const SceneInputs& s = in.scene;
   builder.read(s.constants, Access::uniform_read, "the frame's constants");
   read_gbuffer(builder, in.gbuffer, Access::sampled_fragment);
+  read_gbuffer_reliefs(builder, in.gbuffer, s, in.deformed, Access::graphics_read);
   std::string defined = in.gbuffer.definitions;
   if (knobs.accumulator != Knobs::floats) defined += "#EXPOSED=1";
   const std::string exposed = defined;
@@ -132,9 +133,9 @@ void ShadeVolumes::record(CommandList& commands, const In& in, const Out& out) c
   OwnInputs own;
   own.word = gbuffer_places(commands, in.gbuffer);
   if (step == sum && in.volumes.lists) own.deformed_before = in.volumes.lists;
-  if (step == over) own.word |= uint64_t(commands.sampled(out.sum)) << 48;
-  shared::DrawPush push =
-      draw_push(commands, in.scene, {}, step == sum ? &in.lists : nullptr, step == mark ? nullptr : &in.lists, own);
+  if (step == over) own.word |= uint64_t(commands.sampled(out.sum)) << 60;
+  shared::DrawPush push = draw_push(commands, in.scene, in.gbuffer.reliefs ? in.deformed : BufferHandle{},
+                                    step == sum ? &in.lists : nullptr, step == mark ? nullptr : &in.lists, own);
   const CommandList::Attachment target{step == sum ? out.sum : out.color};
   if (step == mark)
     commands.begin_picture({}, out.tested);

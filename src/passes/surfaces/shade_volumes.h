@@ -37,6 +37,7 @@ struct ShadeVolumes {
     Lighting lists;        // of shadows, occlusion and fog
     LightVolumes volumes;  // optional: no light
     ImageHandle depth;
+    BufferHandle deformed;  // optional; of reliefs
   };
   struct Out {
     ImageHandle color;

@@ -87,8 +87,8 @@ const PlanUse& CommandListImpl::use_of(const Wanted& wanted, std::initializer_li
   for (const Access access : accesses) as += (as.empty() ? "" : " or ") + std::string(access_info(access).name);
   const auto* image = resource ? std::get_if<ImageDesc>(&resource->desc) : nullptr;
   CHECK_MSG(false, fmt::format("pass '{}' uses version {} of '{}{}' without having declared it as {}{}", pass_.name,
-                               wanted.version, name(), image && !range.is_default() ? range_text(range, *image) : "", as,
-                               pass_.steps() > 1 ? fmt::format(" in step {}", step_) : ""));
+                               wanted.version, name(), image && !range.is_default() ? range_text(range, *image) : "",
+                               as, pass_.steps() > 1 ? fmt::format(" in step {}", step_) : ""));
   return pass_.uses.front();
 }
 

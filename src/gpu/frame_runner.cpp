@@ -34,8 +34,8 @@ struct FrameRunner::Hidden {
     std::vector<const Pipeline*> pipelines;
     bool copyable = false;
   };
-  Prepared now;            // of the last frame; frames in flight own their `physical` too
-  Prepared other;          // of the frames before, where they come again
+  Prepared now;                 // of the last frame; frames in flight own their `physical` too
+  Prepared other;               // of the frames before, where they come again
   std::optional<Hash128> gone;  // the plan that `now` took the place of
   std::array<uint32_t, 3> max_groups{};
   FrameTicket last_ticket = 0;
@@ -57,8 +57,7 @@ struct FrameRunner::Hidden {
   bool in_flight() const;
   void finish_all(double timeout_s);
   FrameSlot& take_slot();
-  FrameContext context(const FramePlan& plan, const Imports& imports, const RunOptions& options,
-                       FrameSlot& slot);
+  FrameContext context(const FramePlan& plan, const Imports& imports, const RunOptions& options, FrameSlot& slot);
   void fill_buffers(const FrameContext& frame, VkCommandBuffer commands, bool hashing) const;
   void record_pass(const FrameContext& frame, const CompiledGraph& graph, size_t pass, VkCommandBuffer commands) const;
   void submit_whole(const FrameContext& frame, const CompiledGraph& graph, bool timed, FrameSlot& slot);
@@ -165,10 +164,10 @@ FrameSlot& FrameRunner::Hidden::take_slot() {
   return *slots.back();
 }
 
-FrameContext FrameRunner::Hidden::context(const FramePlan& plan, const Imports& imports,
-                                          const RunOptions& options, FrameSlot& slot) {
-  FrameContext frame{device,        bindless,   plan,      *now.physical, slot.buffers, slot.kept,
-                     slot.barriers, now.pipelines, max_groups, slot.index};
+FrameContext FrameRunner::Hidden::context(const FramePlan& plan, const Imports& imports, const RunOptions& options,
+                                          FrameSlot& slot) {
+  FrameContext frame{device,    bindless,      plan,          *now.physical, slot.buffers,
+                     slot.kept, slot.barriers, now.pipelines, max_groups,    slot.index};
   frame.buffers.assign(plan.resources.size(), nullptr);
   frame.kept.assign(plan.resources.size(), nullptr);
   for (size_t i = 0; i < plan.resources.size(); ++i) {
@@ -339,8 +338,8 @@ void FrameRunner::Hidden::run_isolated(const FrameContext& frame, const Compiled
   }
 }
 
-FrameTicket FrameRunner::submit(const CompiledGraph& graph, const Imports& imports,
-                                const RunOptions& options, const std::vector<std::shared_ptr<const void>>& keep) {
+FrameTicket FrameRunner::submit(const CompiledGraph& graph, const Imports& imports, const RunOptions& options,
+                                const std::vector<std::shared_ptr<const void>>& keep) {
   Hidden& h = *hidden_;
   CHECK_MSG(h.now.plan == graph.hash, "a frame of a plan that was not prepared");
   CHECK(graph.record.size() == graph.plan.passes.size());

@@ -56,9 +56,9 @@ struct RunOptions {
   bool hash_outputs = false;  // after each pass, hash everything it wrote and count non-finite values (debugging; slow)
   // The frame's time as a whole (FrameRun::whole_ms), whatever runs side by side in it.
   bool whole = false;
-  bool one_queue = false;                  // passes of the compute queue run on the main one
-  std::vector<int> batch_order;            // of the plan's batches; empty: the plan's own
-  ByResource<KeptImage> images;            // the plan's imported images
+  bool one_queue = false;        // passes of the compute queue run on the main one
+  std::vector<int> batch_order;  // of the plan's batches; empty: the plan's own
+  ByResource<KeptImage> images;  // the plan's imported images
 };
 struct PassHash {
   std::string pass, resource;

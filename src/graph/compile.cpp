@@ -75,8 +75,10 @@ void mark_first_writes(FramePlan& plan) {
 
 void make_physical(const GraphBuilder& builder, const KeptKeys& kept, FramePlan& plan) {
   for (const GraphBuilder::Resource& resource : builder.resources()) {
-    PlanResource planned{
-        .desc = resource.desc, .imported = resource.imported, .to_fill = resource.to_fill, .keyed = resource.key.has_value()};
+    PlanResource planned{.desc = resource.desc,
+                         .imported = resource.imported,
+                         .to_fill = resource.to_fill,
+                         .keyed = resource.key.has_value()};
     if (resource.key) {
       planned.to_fill = kept.seen.contains(*resource.key);
       planned.imported = planned.to_fill || kept.filled.contains(*resource.key);

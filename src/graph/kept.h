@@ -1,8 +1,8 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
-#include <optional>
 #include <initializer_list>
+#include <optional>
 #include <vector>
 
 #include "base/hash.h"

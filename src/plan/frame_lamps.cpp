@@ -18,7 +18,8 @@ namespace {
 
 constexpr uint32_t usual_layer_px = 2048;
 
-std::string_view why_none(const SceneFacts& facts, const FrameRequest& request, const LampKnobs& knobs, bool see_through) {
+std::string_view why_none(const SceneFacts& facts, const FrameRequest& request, const LampKnobs& knobs,
+                          bool see_through) {
   if (facts.point_lights + facts.spot_lights == 0) return "no point or spot light shines";
   if (!facts.takes_light() && !request.draws_fog() && !request.draws_volumetric())
     return "nothing that is drawn takes light";
@@ -269,8 +270,8 @@ Expected<void> plan_lamps(const Scene& scene, const SurveyedFrame& frame, const 
     if (std::ranges::none_of(data.lights, [&](const LightItem& l) {
           return l.type != LightType::directional && !(l.inner_m > 0) && scene.nodes[l.node].name == name;
         }))
-      out.notes.add(
-          "the look marks '{}' for shadows, and no point or spot light that shines is at a node of that name", name);
+      out.notes.add("the look marks '{}' for shadows, and no point or spot light that shines is at a node of that name",
+                    name);
   Scratch scratch;
   ScratchVector<Ranked> ranked = ranked_lights(scene, data, view, planes, marked, &scratch);
   ScratchVector<Candidate> lamps(&scratch);

@@ -21,9 +21,9 @@ struct FrameShape {
     std::string name;
     uint32_t size_px = 0, layers = 0, over = 0, texel_layers = 0, most_px = 0, drawn = 0;
     bool apart = false, outlives = false;
-    uint64_t commands = 0;                      // of the views, and room for them
-    std::vector<glm::uvec2> sizes_and_layers;   // of each view
-    std::vector<bool> regions;                  // of each view and run whether it draws anything; where that counts
+    uint64_t commands = 0;                     // of the views, and room for them
+    std::vector<glm::uvec2> sizes_and_layers;  // of each view
+    std::vector<bool> regions;                 // of each view and run whether it draws anything; where that counts
     bool operator==(const Maps&) const = default;
   };
   enum class Kept : uint8_t { no, unknown, seen, filled };  // of an image that outlives frames (graph/kept.h)

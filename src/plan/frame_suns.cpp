@@ -11,7 +11,8 @@
 namespace candela {
 namespace {
 
-std::string_view why_none(const SceneFacts& facts, const FrameRequest& request, const SunKnobs& knobs, bool see_through) {
+std::string_view why_none(const SceneFacts& facts, const FrameRequest& request, const SunKnobs& knobs,
+                          bool see_through) {
   if (facts.directional_lights == 0) return "no directional light shines";
   if (!facts.takes_light()) return "nothing that is drawn takes light";
   const bool traced = sends_rays(SunMode(knobs.mode));

@@ -294,8 +294,8 @@ uint32_t lobes_of(const Material& m) {
 }
 
 // Nothing where no visible material shows a lobe that the frame shades.
-void add_lobes(const Scene& scene, const std::vector<Material>& materials, const FrameData& data,
-               const DrawList& draws, std::vector<uint32_t>& words) {
+void add_lobes(const Scene& scene, const std::vector<Material>& materials, const FrameData& data, const DrawList& draws,
+               std::vector<uint32_t>& words) {
   const bool refraction = std::ranges::any_of(draws.batches, &DrawBatch::refracts);
   const uint32_t shaded = shared::shaded_lobes | (refraction ? 1u << uint32_t(Lobe::transmission) : 0u);
   Scratch scratch;

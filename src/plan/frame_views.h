@@ -77,16 +77,16 @@ struct ShadowMaps {
 };
 // What both kinds of maps depend on beside their own knobs.
 struct MapOptions {
-  int longer_side_px = 0;                       // of the picture
-  double scene_size_m = 0;                      // GeometryLayout::size_m
-  bool culling = true;                          // the pass that culls does so
-  bool see_through = false;                     // see-through surfaces are drawn into the views
-  bool floats = false;                          // maps are of plain floats, not of depths: those that compute draws
-  const KeptLamps* kept_lamps = nullptr;        // null: maps of point and spot lights do not outlive the frame
+  int longer_side_px = 0;                 // of the picture
+  double scene_size_m = 0;                // GeometryLayout::size_m
+  bool culling = true;                    // the pass that culls does so
+  bool see_through = false;               // see-through surfaces are drawn into the views
+  bool floats = false;                    // maps are of plain floats, not of depths: those that compute draws
+  const KeptLamps* kept_lamps = nullptr;  // null: maps of point and spot lights do not outlive the frame
   // Of each node whether it moves (scene/moving_nodes.h); empty: none does.
   std::span<const uint8_t> moving = {};
-  TextureKnobs textures = {};                   // that masks are read with
-  ReliefKnobs relief = {};                      // of a scene that has them
+  TextureKnobs textures = {};  // that masks are read with
+  ReliefKnobs relief = {};     // of a scene that has them
 };
 // Gives the views of the maps' image room for their draw commands. Errors: as place_views().
 Expected<void> place_maps(ShadowMaps& maps, const FrameData& data, const DrawList& draws,

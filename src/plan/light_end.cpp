@@ -36,7 +36,8 @@ struct Point {
 };
 
 // On the surfaces of what is drawn, even by a power of the items' bounds' areas.
-void add_points_on(const Scene& scene, const FrameData& data, size_t count, double power, ScratchVector<Point>& points) {
+void add_points_on(const Scene& scene, const FrameData& data, size_t count, double power,
+                   ScratchVector<Point>& points) {
   Scratch scratch;
   ScratchVector<double> ends(&scratch);  // of the items' parts of all
   ends.reserve(data.items.size());

@@ -40,7 +40,6 @@ void add_metaballs(const FrameData& data, const DrawList& draws, FrameUpload& up
       upload.metaballs.push_back({ball.centre, ball.inverse_square_radius, ball.strength});
     }
     const uint32_t lists = uint32_t(upload.metaball_lists.size()), index = uint32_t(upload.metaball_bodies.size());
-    upload.metaball_blocks.reserve(upload.metaball_blocks.size() + lattice.blocks.size());
     for (const MetaballBlock& block : lattice.blocks)
       upload.metaball_blocks.push_back(
           {block.first_cell.x, block.first_cell.y, block.first_cell.z, lists + block.first, block.count, index});

@@ -32,8 +32,8 @@ void add_notes(PlannedFrame& f, const KnobValues& knobs) {
   f.notes.append(f.TracedFrame::notes);
   const Supersample::Knobs& supersample = knobs.get<Supersample::Knobs>();
   if (supersample.pictures() > 1 && knobs.get<Resolve::Knobs>().samples > 1)
-    f.notes.add("supersampling ({} x {} a pixel) takes the place of multisampling",
-                                  supersample.grid().x, supersample.grid().y);
+    f.notes.add("supersampling ({} x {} a pixel) takes the place of multisampling", supersample.grid().x,
+                supersample.grid().y);
   if (supersample.pictures() >= 16 && f.rays)
     f.notes.push_back(
         "rays from every sample of every pixel, as at quality exact: candela reference --mode direct is the truth "
@@ -128,17 +128,17 @@ Expected<void> plan_frame(const Job& job, const PlanContext& context, const Want
   first.subframe = &frames->front();
   auto planned = plan_one(job, first, wanted, first.subframe->time_s, frame);
   if (planned)
-    frame.notes.add("the picture is the mean of {} such frames, from {:.6g} to {:.6g} s "
-                    "(subframes.n, --shutter, --fstop)",
-                    frames->front().count, frames->front().time_s, (*frames)[frames->size() - 2].time_s);
+    frame.notes.add(
+        "the picture is the mean of {} such frames, from {:.6g} to {:.6g} s "
+        "(subframes.n, --shutter, --fstop)",
+        frames->front().count, frames->front().time_s, (*frames)[frames->size() - 2].time_s);
   return planned;
 }
 
 Expected<PlannedFrame> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
                                   double time_s) {
   PlannedFrame frame;
-  if (auto planned = plan_frame(job, context, wanted, time_s, frame); !planned)
-    return std::unexpected(planned.error());
+  if (auto planned = plan_frame(job, context, wanted, time_s, frame); !planned) return std::unexpected(planned.error());
   return frame;
 }
 

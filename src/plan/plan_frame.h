@@ -26,13 +26,13 @@ struct PlannedFrame : SurveyedFrame, PackedFrame, LitFrame, TracedFrame {
   SurfaceKnobs surfaces;
   IblKnobs image_light;
   ProbeKnobs probes;
-  bool stores_samples = true;  // as SceneInputs has it
+  bool stores_samples = true;                // as SceneInputs has it
   std::optional<Hash128> sun_key, lamp_key;  // as SceneInputs has them
   std::vector<UploadRow> rows;               // what is uploaded (plan/upload_table.h)
   std::shared_ptr<PlannedGraph> made;        // the graph, which other frames may share
   const CompiledGraph& graph() const { return made->graph; }
-  Notes notes;                     // of all stages
-  StageClock clock;                // their times; the sum is all of planning
+  Notes notes;       // of all stages
+  StageClock clock;  // their times; the sum is all of planning
 };
 // Of a picture of several frames (plan/subframes.h) the one that the context names, else the first of them.
 // The chain of the stages: ask_frame, survey_frame, pack_frame, light_frame, trace_frame, and the graph.

@@ -40,7 +40,8 @@ std::vector<SpecConstant> features_of(const PlannedFrame& f) {
   std::vector<SpecConstant> features =
       scene_features(f.facts, f.facts.environment || f.request.neutral_light || f.facts.probes > 0);
   if (f.facts.probes > 0) features.push_back(probes_constant(f.facts.probes));
-  if (f.facts.any_relief) features.push_back(relief_constant(f.relief.steps, f.relief.refinements, f.relief.light_steps));
+  if (f.facts.any_relief)
+    features.push_back(relief_constant(f.relief.steps, f.relief.refinements, f.relief.light_steps));
   if (f.surfaces.specular_aa != 0) features.push_back(specular_aa_constant(f.surfaces.specular_aa));
   if (f.facts.image_light) {
     const bool sampled = IblMethod(f.image_light.method) == IblMethod::sampled;
@@ -208,7 +209,8 @@ void KeptGraphs::add(std::shared_ptr<PlannedGraph> graph) {
 
 bool asks_dumps(const Job& job, const WantedOutputs& wanted) {
   // The view's name is only looked at where it may be an image's.
-  return !wanted.dumps.empty() || (wanted.display && job.view.find('.') != std::string::npos && image_of_view(job.view));
+  return !wanted.dumps.empty() ||
+         (wanted.display && job.view.find('.') != std::string::npos && image_of_view(job.view));
 }
 
 Expected<void> plan_graph(const AskedFrame& asked, const PlanContext& context, const WantedOutputs& wanted,

@@ -169,8 +169,7 @@ Expected<SurveyedFrame> survey_frame(const Job& job, const Scene& scene, double 
   const auto asked = ask_frame(job, context, WantedOutputs{}, time_s);
   if (!asked) return std::unexpected(asked.error());
   SurveyedFrame frame;
-  if (auto surveyed = survey_frame(*asked, context, time_s, frame); !surveyed)
-    return std::unexpected(surveyed.error());
+  if (auto surveyed = survey_frame(*asked, context, time_s, frame); !surveyed) return std::unexpected(surveyed.error());
   return frame;
 }
 

@@ -29,9 +29,9 @@ void take_run(gpu::FrameRun run, BegunFrame& begun);
 struct SubmitTimes {
   double upload_us = 0, allocate_us = 0, allocated_us = 0, submit_us = 0, end_us = 0;
   double decode_ms = 0;
-  Timings compiling;          // beside them
-  Timings measuring;          // runs before the frame's own
-  uint64_t allocations = 0;   // heap_allocations() at the end
+  Timings compiling;         // beside them
+  Timings measuring;         // runs before the frame's own
+  uint64_t allocations = 0;  // heap_allocations() at the end
 };
 void add_times(const SubmitTimes& times, Timings& timings);
 // The stages of planning, one after another from start_us on.

@@ -29,7 +29,7 @@ class GpuScene {
   ~GpuScene();
 
   struct Uploaded {
-    gpu::Imports imports;      // for FrameRunner::submit
+    gpu::Imports imports;                           // for FrameRunner::submit
     std::vector<std::shared_ptr<const void>> keep;  // likewise: while held, the buffers are not written again
     double decode_ms = 0, upload_ms = 0;
     std::vector<std::string> warnings;  // images that are damaged

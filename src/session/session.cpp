@@ -2,6 +2,7 @@
 
 #include <future>
 
+#include "base/allocations.h"
 #include "base/check.h"
 #include "base/file_uses.h"
 #include "base/files.h"
@@ -14,7 +15,6 @@
 #include "plan/choose_sides.h"
 #include "plan/posed_scene.h"
 #include "plan/scene_motion.h"
-#include "base/allocations.h"
 #include "session/begun_frame.h"
 #include "session/device_samples.h"
 #include "session/draw_probes.h"

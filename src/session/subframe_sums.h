@@ -19,8 +19,7 @@ class SubframeSums {
   }
   // The buffers of a frame's plan, in the order in which frames are handed to the device. keep: lives until the device
   // is done with the frame. Throws GpuError.
-  void import(const FramePlan& plan, gpu::Imports& imports,
-              std::vector<std::shared_ptr<const void>>& keep);
+  void import(const FramePlan& plan, gpu::Imports& imports, std::vector<std::shared_ptr<const void>>& keep);
 
  private:
   std::shared_ptr<gpu::Buffer> buffer_of(uint64_t bytes);
@@ -30,7 +29,7 @@ class SubframeSums {
     std::shared_ptr<gpu::Buffer> before, after;  // what the frame takes, and what it leaves
   };
   Sum& sum_of(std::string_view name);
-  std::vector<Sum> sums_;  // of all names that there were; few
+  std::vector<Sum> sums_;                            // of all names that there were; few
   std::vector<std::shared_ptr<gpu::Buffer>> spare_;  // those that no frame holds are taken again
 };
 

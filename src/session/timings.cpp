@@ -111,7 +111,8 @@ Json timings_json(const FrameResult& frame, const Job& job, const Session& sessi
   j["uploaded_bytes"] = uploaded_json(session.opening(), frame.timings);
   j["heap_allocations"] = frame.timings.heap_allocations;
   j["left_out"] = Json::array();
-  for (const LeftOut& left : frame.plan->left_out) j["left_out"].push_back({{"pass", left.pass}, {"reason", left.reason}});
+  for (const LeftOut& left : frame.plan->left_out)
+    j["left_out"].push_back({{"pass", left.pass}, {"reason", left.reason}});
   j["job"] = own_json(job_json(job));
   return j;
 }
@@ -139,8 +140,7 @@ std::string trace_json(std::span<const Timings::Span> spans) {
 }
 
 Timings::Overlap measure_overlap(gpu::FrameRunner& runner, const gpu::Device& device, const CompiledGraph& graph,
-                                 const gpu::Imports& imports,
-                                 const gpu::ByResource<gpu::KeptImage>& images) {
+                                 const gpu::Imports& imports, const gpu::ByResource<gpu::KeptImage>& images) {
   constexpr int runs = 15;
   std::vector<double> all, one;
   for (int i = 0; i <= runs; ++i)  // the first of each warms up

@@ -38,8 +38,7 @@ class StageTimer {
 
 // The frame as a whole with its passes on both queues and on one: medians of interleaved runs.
 Timings::Overlap measure_overlap(gpu::FrameRunner& runner, const gpu::Device& device, const CompiledGraph& graph,
-                                 const gpu::Imports& imports,
-                                 const gpu::ByResource<gpu::KeptImage>& images);
+                                 const gpu::Imports& imports, const gpu::ByResource<gpu::KeptImage>& images);
 
 // Counts the lamps' maps of a frame.
 void count_lamp_maps(const FrameLamps& lamps, Timings& timings);

@@ -48,7 +48,7 @@ struct Frame {
   std::vector<FrameReport> reports;
   // Called behind each pass that is added, with its instance's name: what looks at a frame without being part of it.
   std::function<void(Frame&, const std::string&)> observe = {};
-  int counts = -1;  // the buffer of shared::PackCounts in the plan
+  int counts = -1;                                // the buffer of shared::PackCounts in the plan
   const FrameValues& values = FrameValues::none;  // for recording alone
 
   // Adds a pass and returns its outputs; empty ones, which carry the reason, when the pass says it is not needed or a

@@ -70,8 +70,7 @@ LightMaps light_maps(Frame& frame, const SceneInputs& scene, const Surfaces& sur
   else
     out.depth = frame.add(DepthViews{}, {scene, draws, surfaces.deformed, image}, instance).depth;
   if (image->apart && out.depth) frame.builder.pool(out.depth);
-  if (key && out.depth)
-    frame.builder.keep(out.depth, *key, "kept from before: nothing that casts has moved");
+  if (key && out.depth) frame.builder.keep(out.depth, *key, "kept from before: nothing that casts has moved");
   const ColoredShadows::In in{scene, draws, surfaces.deformed, image, out.depth, frame.facts.refracting_bodies > 0};
   out.colors = frame.add(ColoredShadows{}, in, instance).colors;
   out.deep = frame.add(DeepShadows{}, {scene, draws, surfaces.deformed, image, out.depth}, instance).deep;

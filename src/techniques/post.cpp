@@ -94,8 +94,7 @@ void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, cons
   moved.motion = published(frame, "motion");
   moved.share = Live<float>::of(frame.values.motion_share), moved.seed = Live<uint32_t>::of(frame.values.noise_seed);
   linear = newest(frame.add(MotionBlur{}, moved).color, linear);
-  SmoothEdges::In edges{linear, scene.width_px, scene.height_px,
-                        Live<float>::of(frame.values.exposure)};
+  SmoothEdges::In edges{linear, scene.width_px, scene.height_px, Live<float>::of(frame.values.exposure)};
   linear = newest(frame.add(SmoothEdges{}, edges).color, linear);
   const ImageHandle bloomed = newest(frame.add(BloomPass{}, bloom_in(frame, scene, linear, emission)).color, linear);
   Tonemap::In shown = tonemap_in(frame, scene, bloomed);

@@ -30,8 +30,7 @@ class GpuTest : public ::testing::Test {
     for (const std::string& message : device->validation_messages()) ADD_FAILURE() << message;
   }
 
-  FrameRun run(const CompiledGraph& graph, const RunOptions& options = {},
-               const Imports& imports = {}) {
+  FrameRun run(const CompiledGraph& graph, const RunOptions& options = {}, const Imports& imports = {}) {
     const auto prepared = runner->prepare(graph);
     EXPECT_TRUE(prepared) << prepared.error().text();
     return prepared ? runner->run(graph, imports, options) : FrameRun{};

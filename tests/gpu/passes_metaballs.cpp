@@ -84,7 +84,9 @@ class Metaballs : public PassTest {
     imports[scene.items.resource] = &item_buffer;
     scene.deformed_words = words;
     scene.metaball_body_count = uint32_t(rows.size());
-    scene.metaball_block_count = scene.metaball_block_room = uint32_t(blocks.size());
+    FrameValues values;
+    values.metaball_blocks = scene.metaball_block_room = uint32_t(blocks.size());
+    scene.values = &values;
     const MetaballPolygons::Out out = add(builder, MetaballPolygons{}, {scene});
     const BufferHandle vertices = read_words(builder, "vertices", out.vertices, uint64_t(words) * 4),
                        counts = read_words(builder, "counts", out.items, items * sizeof(shared::Item));

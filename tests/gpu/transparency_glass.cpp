@@ -172,12 +172,12 @@ TEST_F(TransparencyGlass, TakesThePlaceOfRefraction) {
   add_wall(b);
   add_sheet(b, glass_material({}));
   Job job = seen(b);
-  EXPECT_NE(plan_text(render(*open(job)).plan).find("--transparency phenomenological draws"), std::string::npos);
+  EXPECT_NE(plan_text(*render(*open(job)).plan).find("--transparency phenomenological draws"), std::string::npos);
   job.layers = {"direct_sun"};
   EXPECT_FALSE(Session::open(job, {}, {}) && (*Session::open(job, {}, {}))->render(0));
   job.layers = {};
   job.effects = "none";  // opaque: nothing to draw
-  EXPECT_NE(plan_text(render(*open(job)).plan).find("the scene has no blended surface"), std::string::npos);
+  EXPECT_NE(plan_text(*render(*open(job)).plan).find("the scene has no blended surface"), std::string::npos);
 }
 
 }  // namespace candela::test

@@ -115,7 +115,7 @@ TEST_F(TransparencyShadows, OpaqueCastersStayDark) {
 TEST_F(TransparencyShadows, IsLeftOutWhereNothingNeedsIt) {
   GltfBuilder b = lit_wall(Lamp::sun);
   add_sheet(b, glass_material({.color = {0.9, 0.5, 0.2}}), 0.6f, {0, 0, 0.5});
-  const auto passes = [](const Job& job) { return plan_text(render(*open(job)).plan); };
+  const auto passes = [](const Job& job) { return plan_text(*render(*open(job)).plan); };
   EXPECT_NE(passes(from_aside(b)).find("colored_shadows.sun.maps"), std::string::npos);
   EXPECT_EQ(passes(from_aside(b)).find("back_positions"), std::string::npos);  // a sheet bends nothing
   const auto is_absent = [&](const Job& job) {
@@ -344,7 +344,7 @@ TEST_F(DeepShadows, AirIsLitThroughSheets) {
 // Nothing of it is there where nothing takes it.
 TEST_F(DeepShadows, IsLeftOutWhereNothingNeedsIt) {
   const auto is_there = [](const Job& job) {
-    return plan_text(render(*open(job)).plan).find("deep_shadows.sun.maps") != std::string::npos;
+    return plan_text(*render(*open(job)).plan).find("deep_shadows.sun.maps") != std::string::npos;
   };
   EXPECT_TRUE(is_there(from_aside(wall_before(Lamp::sun, {}))));
   EXPECT_FALSE(is_there(from_aside(lit_wall(Lamp::sun))));

@@ -53,9 +53,9 @@ class DumpPlan : public ::testing::Test {
 TEST_F(DumpPlan, StandBehindTheirPassAndKeepThePlansHash) {
   const auto without = plan({}), with = plan({"depth_prepass.depth", "shade_forward.depth", "resolve.resolved"});
   ASSERT_TRUE(without && with);
-  EXPECT_EQ(without->hash, plan_hash(without->graph().plan));
-  EXPECT_EQ(with->hash, without->hash);
-  ASSERT_EQ(with->dumps.size(), 3u);
+  EXPECT_EQ(without->made->hash, plan_hash(without->graph().plan));
+  EXPECT_EQ(with->made->hash, without->made->hash);
+  ASSERT_EQ(with->made->dumps.size(), 3u);
   const FramePlan& plan = with->graph().plan;
   const auto place = [&](std::string_view name) {
     for (size_t i = 0; i < plan.passes.size(); ++i)
@@ -67,8 +67,8 @@ TEST_F(DumpPlan, StandBehindTheirPassAndKeepThePlansHash) {
   EXPECT_EQ(place("dump.2"), place("resolve") + 1);
   EXPECT_EQ(plan.passes.size(), without->graph().plan.passes.size() + 3);
   EXPECT_EQ(plan.left_out.size() + 1, without->graph().plan.left_out.size());  // dump
-  EXPECT_EQ(plan.resources[size_t(with->dumps[0].resource)].name(), "dump.depth");
-  EXPECT_EQ(with->outputs.size(), without->outputs.size());
+  EXPECT_EQ(plan.resources[size_t(with->made->dumps[0].resource)].name(), "dump.depth");
+  EXPECT_EQ(with->made->outputs.size(), without->made->outputs.size());
 }
 
 // What the background covers is unwritten behind the surfaces' pass.

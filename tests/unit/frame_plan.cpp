@@ -10,6 +10,12 @@
 #include "plan/plan_frame.h"
 #include "testscenes/make_scene.h"
 
+namespace candela::test {
+static bool mentions(const Notes& notes, const std::string& what) {
+  return mentions(std::vector<std::string>(notes.begin(), notes.end()), what);
+}
+}  // namespace candela::test
+
 namespace candela {
 namespace {
 
@@ -52,7 +58,7 @@ std::string reason(const PlannedFrame& frame, const std::string& pass) {
 }
 std::vector<std::string> outputs(const PlannedFrame& frame) {
   std::vector<std::string> names;
-  for (const FrameOutput& o : frame.outputs) names.push_back(o.layer);
+  for (const FrameOutput& o : frame.made->outputs) names.push_back(o.layer);
   return names;
 }
 

@@ -137,15 +137,15 @@ TEST(FrameViews, CountWhatMoves) {
   add_cube({3, 1, -4}, 12, views);
   for (const bool culling : {true, false}) {
     ViewCasters casters(nullptr, bits);
-    const auto placed =
-        placed_views(views, items, runs, culling, 1 << 20, "local.draws", false, std::vector{standing, moves}, &casters);
+    const auto placed = placed_views(views, items, runs, culling, 1 << 20, "local.draws", false,
+                                     std::vector{standing, moves}, &casters);
     ASSERT_TRUE(placed);
     // The same where all else draws nothing.
     auto moving = items;
     for (shared::Item& item : moving)
       if (item.object_id != 7 && item.object_id != 35) item.bounds_centre = glm::vec3(1e4f), item.bounds_extent = {};
     const auto alone = placed_views(views, moving, runs, true, 1 << 20, "local.draws", false,
-                                   std::vector{moves, ItemCluster{1, 4, 34, glm::dvec3(1e4), {}}});
+                                    std::vector{moves, ItemCluster{1, 4, 34, glm::dvec3(1e4), {}}});
     ASSERT_EQ(casters.of_view.size(), 6u);
     for (size_t region = 0; culling && region < 6 * 3; ++region)
       EXPECT_EQ(casters.of_view[region / 3].moving_counts[region % 3],

@@ -296,11 +296,13 @@ TEST(GraphRanges, AFrameFillsAnImageForLaterOnesWhichTakeIt) {
   EXPECT_FALSE(alone.resources[0].imported);
   EXPECT_EQ(plan_hash(alone), plan_hash(compile_graph(builder).plan));
 
-  const FramePlan plan = compile_graph(builder, {.filled = {}, .seen = {key}}).plan;
+  const CompiledGraph graph = compile_graph(builder, {.filled = {}, .seen = {key}});
+  const FramePlan& plan = graph.plan;
   ASSERT_EQ(plan.passes.size(), 3u) << "one layer is read, and all are made";
   EXPECT_TRUE(test::find_hazards(plan).empty());
   EXPECT_TRUE(plan.resources[0].imported && plan.resources[0].to_fill);
-  EXPECT_EQ(plan.resources[0].key, key);
+  EXPECT_TRUE(plan.resources[0].keyed);
+  EXPECT_EQ(graph.keys, (std::vector<std::pair<int, Hash128>>{{0, key}}));
   EXPECT_EQ(plan.resources[0].block, -1);
   ASSERT_FALSE(plan.final_barriers.images.empty());
   for (const ImageBarrier& barrier : plan.final_barriers.images)

@@ -349,7 +349,8 @@ double deepest(const FrameData& data, const shared::FrameConstants& constants) {
   return depth;
 }
 
-void add_refusal(LightGridKind kind, size_t lights, const LightKnobs& knobs, double reach_m, bool perspective, std::string& reason) {
+void add_refusal(LightGridKind kind, size_t lights, const LightKnobs& knobs, double reach_m, bool perspective,
+                 std::string& reason) {
   if (kind == LightGridKind::none) {
     reason = "the technique walks every light for every pixel";
     return;
@@ -358,8 +359,7 @@ void add_refusal(LightGridKind kind, size_t lights, const LightKnobs& knobs, dou
     reason = "the scene has no lights";
     return;
   }
-  if (lights <= size_t(knobs.few))
-    {
+  if (lights <= size_t(knobs.few)) {
     fmt::format_to(std::back_inserter(reason), "{} light{}: each pixel walks all (lights.few)", lights,
                    lights == 1 ? "" : "s");
     return;
@@ -404,8 +404,9 @@ void make_light_grid(LightGridKind kind, const FrameData& data, const shared::Fr
   for (;; tile_px *= 2) {
     const Grid grid(kind, constants, knobs, tile_px, far_m, reach_m);
     Scratch scratch;
-    const Boxes boxes = on_device ? Boxes{ScratchVector<shared::LightBounds>(&scratch), unbounded_lights(data, &scratch)}
-                                  : boxes_of(grid, data.lights, &scratch);
+    const Boxes boxes = on_device
+                            ? Boxes{ScratchVector<shared::LightBounds>(&scratch), unbounded_lights(data, &scratch)}
+                            : boxes_of(grid, data.lights, &scratch);
     const MostBoxes most = on_device ? most_of(grid, data) : MostBoxes{};
     const uint64_t covered = on_device ? most.cells : boxes.covered;
     if (covered == 0) {

@@ -30,7 +30,7 @@ struct Pack {
       VkFormat format = VK_FORMAT_UNDEFINED;
       std::optional<Packing> packing;  // none: it is only looked at
       uint32_t components = 4;         // from red on
-      Live<float> scale = 1;                 // of colours in half planes; not of alpha
+      Live<float> scale = 1;           // of colours in half planes; not of alpha
       bool look = false;               // for pixels that are not finite
       bool cover = false;              // whether any alpha is not 0
       bool depth = false;              // infinity is the background

@@ -27,7 +27,7 @@ struct Tonemap {
     bool covers = false;                      // there is no alpha: 1 is taken for it
     std::optional<uint32_t> behind_rgb = {};  // sRGB codes that it is laid over
     uint32_t samples = 1;                     // of the colour; the mean of more is shown
-    Live<float> exposure = 1;                      // what is left to apply after pre-exposure
+    Live<float> exposure = 1;                 // what is left to apply after pre-exposure
     BufferHandle automatic;                   // optional: a factor on top (passes/post/exposure.h)
     Live<float> agx_min_ev = float(agx_lowest_ev), agx_max_ev = float(agx_highest_ev);
   };

@@ -293,10 +293,11 @@ void Reflections::record_rays(CommandList& commands, const In& in, const Out& ou
   const Reflected& r = out.reflected;
   const glm::uvec2 texels = texels_of(knobs, in.scene);
   OwnInputs own;
-  own.word = REFLECTIONS_IMAGES(uint64_t(commands.sampled(r.z)), uint64_t(commands.sampled(r.surface)),
-                                uint64_t(commands.sampled(r.reflectance)),
-                                uint64_t(commands.storage(out.noisy ? out.noisy : r.light))) |
-             REFLECTIONS_SAMPLES(uint64_t(samples_of(knobs, in)), uint64_t(in.scene.subsamples), uint64_t(in.seed & 15u));
+  own.word =
+      REFLECTIONS_IMAGES(uint64_t(commands.sampled(r.z)), uint64_t(commands.sampled(r.surface)),
+                         uint64_t(commands.sampled(r.reflectance)),
+                         uint64_t(commands.storage(out.noisy ? out.noisy : r.light))) |
+      REFLECTIONS_SAMPLES(uint64_t(samples_of(knobs, in)), uint64_t(in.scene.subsamples), uint64_t(in.seed & 15u));
   own.number = std::bit_cast<uint32_t>(knobs.roughest);
   own.deformed_before = in.scene.drawn_items;
   commands.bind(out.pipelines.trace);

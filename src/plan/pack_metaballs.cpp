@@ -1,6 +1,7 @@
 #include "plan/pack_metaballs.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "base/check.h"
 
@@ -43,6 +44,8 @@ void add_metaballs(const FrameData& data, const DrawList& draws, FrameUpload& up
     for (const MetaballBlock& block : lattice.blocks)
       upload.metaball_blocks.push_back(
           {block.first_cell.x, block.first_cell.y, block.first_cell.z, lists + block.first, block.count, index});
+    // In powers of two: insert() alone would take what it needs today, and more tomorrow.
+    upload.metaball_lists.reserve(std::bit_ceil(upload.metaball_lists.size() + lattice.ball_lists.size()));
     upload.metaball_lists.insert(upload.metaball_lists.end(), lattice.ball_lists.begin(), lattice.ball_lists.end());
     upload.metaball_bodies.push_back(out);
   }

@@ -79,6 +79,7 @@ struct SceneInputs {
   // Both for recording alone. In normalised device coordinates.
   glm::vec2 subsample_ndc() const {
     const glm::dvec2 offset_px = supersample_px + values->offset_px / supersample_grid;
+    if (offset_px == glm::dvec2(0)) return glm::vec2(0);  // also without a picture
     return glm::vec2(2.0 * offset_px / glm::dvec2(width_px, height_px));
   }
   uint32_t subsample() const { return values->subframe * supersamples + supersample; }

@@ -186,7 +186,7 @@ class Run {
       const Hash128 hash = frame->plan_hash;
       if (std::find(result_.plan_hashes.begin(), result_.plan_hashes.end(), hash) == result_.plan_hashes.end())
         result_.plan_hashes.push_back(hash);
-      result_.plan = *frame->plan;
+      if (frame->plan) result_.plan = *frame->plan;  // traced ones have none
       const uint64_t bytes = maker_.bytes_in_hand(**finished);
       if (!encoder.push(std::move(**finished), bytes)) return false;
       ++result_.rendered;

@@ -221,8 +221,9 @@ class Repairer {
     const int64_t index = index_in(value, accessors.size());
     if (index < 0 || !accessors[size_t(index)].is_object()) return;
     const Json& accessor = accessors[size_t(index)];
-    const int64_t type =
-        accessor.value("componentType", Json(0)).is_number_integer() ? accessor["componentType"].get<int64_t>() : 0;
+    const Json component =
+        accessor.value("componentType", Json(0));  // where the file says none, that is an error later
+    const int64_t type = component.is_number_integer() ? component.get<int64_t>() : 0;
     const bool is_unsigned = type == 5121 || type == 5123;
     if (!is_unsigned || accessor.value("normalized", Json(false)) == true) return;
     const auto [copy, is_new] = normalized_.try_emplace(index, int64_t(accessors.size()));

@@ -88,6 +88,16 @@ TEST(GltfRepair, WholeNumbersAreNormalized) {
   EXPECT_TRUE(warns(scene, "COLOR_0: whole numbers that are not normalized"));
 }
 
+TEST(GltfRepair, ColorsWithoutAComponentTypeAreAnError) {
+  GltfBuilder b = triangle_file();
+  const int colors = b.accessor<uint8_t>("VEC4", std::vector<uint8_t>(12, 255));
+  b.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = colors;
+  b.json["accessors"][size_t(colors)].erase("componentType");
+  const Expected<Scene> scene = b.load();
+  ASSERT_FALSE(scene);
+  EXPECT_NE(scene.error().text().find("componentType"), std::string::npos) << scene.error().text();
+}
+
 TEST(GltfRepair, PrimitivesWithoutElementsAreLeftOut) {
   GltfBuilder b = triangle_file();
   b.json["meshes"][0]["primitives"].push_back(b.json["meshes"][0]["primitives"][0]);

@@ -1,10 +1,12 @@
 #include "scene/draw_list.h"
 
-#include "base/scratch.h"
-
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <numeric>
+
+#include "base/scratch.h"
 
 namespace candela {
 
@@ -90,10 +92,15 @@ class Lister {
     std::array<uint32_t, draw_ranks> next = first_;
     list_.order.resize(items.size());
     for (size_t i = 0; i < items.size(); ++i) list_.order[next[ranks[i]]++] = uint32_t(i);
-    // Blended items by depth, farthest first, equal ones in item order.
+    // Blended items by depth, farthest first, equal ones in item order. What is no number counts as farthest, for a
+    // sort needs an order.
+    const auto depth_of = [&](uint32_t i) {
+      const double depth_m = items[i].view_depth_m;
+      return std::isnan(depth_m) ? std::numeric_limits<double>::infinity() : depth_m;
+    };
     std::sort(list_.order.begin() + first_.back(), list_.order.end(), [&](uint32_t a, uint32_t b) {
-      const auto depth_a = items[a].view_depth_m, depth_b = items[b].view_depth_m;
-      return depth_a > depth_b || (!(depth_b > depth_a) && a < b);
+      const double depth_a = depth_of(a), depth_b = depth_of(b);
+      return depth_a > depth_b || (depth_a == depth_b && a < b);
     });
   }
 

@@ -39,6 +39,24 @@ TEST(DrawList, BlendedItemsComeLastAndFarthestFirst) {
   EXPECT_EQ(l.draws.batches[1].count, 3u);
 }
 
+// Bounds beyond what floats hold may have no depth: the others keep their order, and nothing is lost.
+TEST(DrawList, BlendedItemsWithoutADepthAreStillInAnOrder) {
+  GltfBuilder b = empty_scene();
+  use_materials(b);
+  Json glass = unlit_material(1, 1, 1, 0.5);
+  glass["alphaMode"] = "BLEND";
+  const int pane = add_square_mesh(b, 1, add_material(b, glass));
+  for (int i = 0; i < 60; ++i) add_node(b, {{"mesh", pane}, {"translation", {0, 0, -1 - (i * 7) % 60}}});
+  SeenScene seen = seen_from_the_front(b);
+  ASSERT_EQ(seen.data.items.size(), 60u);
+  for (size_t i = 0; i < 60; i += 3) seen.data.items[i].view_depth_m = std::numeric_limits<double>::quiet_NaN();
+  const DrawList draws = make_draw_list(seen.scene, seen.pose, seen.data);
+  ASSERT_EQ(draws.order.size(), 60u);
+  for (size_t i = 0; i < 20; ++i) EXPECT_EQ(draws.order[i], 3 * i);
+  for (size_t i = 21; i < 60; ++i)
+    EXPECT_GT(seen.data.items[draws.order[i - 1]].view_depth_m, seen.data.items[draws.order[i]].view_depth_m) << i;
+}
+
 TEST(DrawList, RunsPartByState) {
   GltfBuilder b = empty_scene();
   use_materials(b);

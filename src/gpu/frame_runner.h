@@ -109,9 +109,9 @@ class FrameRunner {
   // Both, where they have not been done; before submit().
   Expected<PrepareTimes> prepare(const CompiledGraph& graph);
   // Records the frame and hands it to the device. imports: the physical buffer for each imported resource of the plan;
-  // keep: whatever must live, and stay as it is, until the device is done with the frame; the graph itself is the
-  // caller's to keep until collect(). A timed or hashed run has the
-  // device to itself: it waits for the frames before it, and is over when submit returns. Throws GpuError.
+  // keep: whatever must live, and stay as it is, until the device is done with the frame; the graph lives until
+  // collect(), with the caller or here. A timed or hashed run has the device to itself: it waits for the frames before
+  // it, and is over when submit returns. Throws GpuError.
   FrameTicket submit(const CompiledGraph& graph, const Imports& imports, const RunOptions& options,
                      const std::vector<std::shared_ptr<const void>>& keep = {});
   // Waits for the frame and gives what it left; each ticket once. A wait longer than timeout_s (default 600) is an

@@ -36,18 +36,21 @@ std::pair<float, float> blended_depths(const FrameData& data, const DrawList& dr
 }
 
 // What of the materials and of how they are lit shaders are made for.
-std::vector<SpecConstant> features_of(const PlannedFrame& f) {
+std::vector<SpecConstant> features_of(const FrameShape& shape) {
+  const SceneFacts& facts = shape.facts;
+  const IblKnobs& image_light = shape.knobs.get<IblKnobs>();
+  const ReliefKnobs& relief = shape.knobs.get<ReliefKnobs>();
   std::vector<SpecConstant> features =
-      scene_features(f.facts, f.facts.environment || f.request.neutral_light || f.facts.probes > 0);
-  if (f.facts.probes > 0) features.push_back(probes_constant(f.facts.probes));
-  if (f.facts.any_relief)
-    features.push_back(relief_constant(f.relief.steps, f.relief.refinements, f.relief.light_steps));
-  if (f.surfaces.specular_aa != 0) features.push_back(specular_aa_constant(f.surfaces.specular_aa));
-  if (f.facts.image_light) {
-    const bool sampled = IblMethod(f.image_light.method) == IblMethod::sampled;
-    const bool mirrors = f.facts.any_smooth && IblMethod(f.image_light.method) == IblMethod::lobe;
-    const auto more = image_light_constants(f.image_light.method, !sampled && f.image_light.irradiance_px > 0,
-                                            mirrors ? f.image_light.mirror_taps : 0);
+      scene_features(facts, facts.environment || shape.request.neutral_light || facts.probes > 0);
+  if (facts.probes > 0) features.push_back(probes_constant(facts.probes));
+  if (facts.any_relief) features.push_back(relief_constant(relief.steps, relief.refinements, relief.light_steps));
+  if (const float aa = shape.knobs.get<SurfaceKnobs>().specular_aa; aa != 0)
+    features.push_back(specular_aa_constant(aa));
+  if (facts.image_light) {
+    const bool sampled = IblMethod(image_light.method) == IblMethod::sampled;
+    const bool mirrors = facts.any_smooth && IblMethod(image_light.method) == IblMethod::lobe;
+    const auto more = image_light_constants(image_light.method, !sampled && image_light.irradiance_px > 0,
+                                            mirrors ? image_light.mirror_taps : 0);
     features.insert(features.end(), more.begin(), more.end());
   }
   return features;
@@ -72,12 +75,12 @@ SceneInputs import_scene(GraphBuilder& builder, const PlannedFrame& f, PlannedGr
                                          row.to_fill ? GraphBuilder::Import::to_fill : GraphBuilder::Import::filled);
     made.imports.back() = (s.*row.input).resource;
   }
-  if (f.suns.image) s.sun_image = lent(made.sun_image);
-  if (f.lamps.image) s.lamp_image = lent(made.lamp_image);
+  if (!shape.suns.name.empty()) s.sun_image = lent(made.sun_image);
+  if (!shape.lamps.name.empty()) s.lamp_image = lent(made.lamp_image);
   s.sun_key = f.sun_key, s.lamp_key = f.lamp_key;
   s.view_first_command = lent(made.sun_first_command), s.lamp_first_command = lent(made.lamp_first_command);
   s.draw_batches = lent(shape.batches);
-  s.features = features_of(f);
+  s.features = features_of(shape);
   s.values = &made.values;
   return s;
 }

@@ -271,23 +271,19 @@ class Block {
 
 }  // namespace
 
-void pose_metaballs(const Metaballs& body, const Pose& pose, std::vector<PosedBall>& kept) {
+std::vector<PosedBall> pose_metaballs(const Metaballs& body, const Pose& pose) {
   const glm::dmat4& world_from_node = pose.world_from_node[size_t(body.node)];
   const glm::dmat4 node_from_world = glm::inverse(world_from_node);
-  kept.clear();
-  kept.reserve(body.balls.size());
+  std::vector<PosedBall> out;
+  out.reserve(body.balls.size());
   for (const Metaball& ball : body.balls) {
     PosedBall posed{glm::dvec3(node_from_world * pose.world_from_node[size_t(ball.node)][3]), double(ball.radius_m),
                     double(ball.strength)};
     const bool there = pose.node_visible[size_t(ball.node)] && is_finite_affine(node_from_world) &&
                        glm::length(posed.centre) < 1e15 && posed.radius_m > 0;
     if (!there) posed = {};
-    kept.push_back(posed);
+    out.push_back(posed);
   }
-}
-std::vector<PosedBall> pose_metaballs(const Metaballs& body, const Pose& pose) {
-  std::vector<PosedBall> out;
-  pose_metaballs(body, pose, out);
   return out;
 }
 

@@ -60,8 +60,6 @@ inline constexpr size_t most_metaball_blocks = 4096;
 
 // Balls in the space of the body's node; those that are hidden, or whose places are no numbers, have strength 0.
 std::vector<PosedBall> pose_metaballs(const Metaballs& body, const Pose& pose);
-// Into what is kept from frame to frame: as many balls as before allocate nothing.
-void pose_metaballs(const Metaballs& body, const Pose& pose, std::vector<PosedBall>& kept);
 // The cell where the file says nothing: an eighth of the median radius.
 double default_metaball_cell_m(const Metaballs& body);
 

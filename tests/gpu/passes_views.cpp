@@ -1,5 +1,6 @@
 #include "plan/frame_views.h"
 
+#include "../unit/placed_views.h"
 #include "passes/geometry/cull.h"
 #include "passes/geometry/cull_compact.h"
 #include "passes_cull_fixture.h"
@@ -44,16 +45,6 @@ std::vector<DrawBatch> runs_of(const std::vector<uint32_t>& lengths) {
   }
   return runs;
 }
-namespace {
-// Views with room for their draws.
-template <class... Args>
-Expected<FrameViews> placed_views(const std::vector<shared::View>& views, Args&&... args) {
-  FrameViews placed;
-  placed.table = views;
-  if (auto fine = place_views(placed, std::forward<Args>(args)...); !fine) return std::unexpected(fine.error());
-  return placed;
-}
-}  // namespace
 
 class ViewCulling : public PassTest {
  protected:
@@ -100,7 +91,7 @@ class ViewCulling : public PassTest {
 
   static FrameViews placed(const std::vector<shared::View>& views, const std::vector<shared::Item>& items,
                            const std::vector<uint32_t>& lengths, bool culling = true) {
-    auto result = placed_views(views, items, runs_of(lengths), culling, 1 << 24);
+    auto result = candela::test::placed_views(views, items, runs_of(lengths), culling, 1 << 24);
     EXPECT_TRUE(result) << (result ? "" : result.error().text());
     return *result;
   }

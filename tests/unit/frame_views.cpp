@@ -5,18 +5,10 @@
 #include "base/rng.h"
 #include "math/bounds.h"
 #include "math/transforms.h"
+#include "placed_views.h"
 
 namespace candela {
 namespace {
-
-// Views with room for their draws.
-template <class... Args>
-Expected<FrameViews> placed_views(const std::vector<shared::View>& views, Args&&... args) {
-  FrameViews placed;
-  placed.table = views;
-  if (auto fine = place_views(placed, std::forward<Args>(args)...); !fine) return std::unexpected(fine.error());
-  return placed;
-}
 
 // The six faces of a cube around a light that reaches range_m.
 void add_cube(glm::dvec3 position, double range_m, std::vector<shared::View>& views) {
@@ -69,7 +61,7 @@ TEST(FrameViews, RegionsFollowOneAnotherAndHoldWhatIsDrawn) {
                                        run(200, 200, AlphaMode::blend)};
   std::vector<shared::View> views;
   add_cube({3, 1, -4}, 12, views);
-  const auto placed = placed_views(views, items, runs, true, 1 << 20);
+  const auto placed = test::placed_views(views, items, runs, true, 1 << 20);
   ASSERT_TRUE(placed);
   ASSERT_EQ(placed->first_command.size(), 6 * 4 + 1u);
   for (size_t v = 0; v < 6; ++v) {
@@ -101,7 +93,7 @@ TEST(FrameViews, ClustersHaveRoomForAllThatMayBeKept) {
   const std::vector<DrawBatch> runs = {run(0, 100), run(100, 100, AlphaMode::mask), run(200, 100)};
   std::vector<shared::View> views;
   add_cube({3, 1, -4}, 12, views);
-  const auto expected = placed_views(views, items, runs, true, 1 << 20);
+  const auto expected = test::placed_views(views, items, runs, true, 1 << 20);
   std::vector<shared::Item> host(items.begin(), items.begin() + 100);
   host.insert(host.end(), items.begin() + 200, items.end());
   std::vector<ItemCluster> clusters;
@@ -112,8 +104,8 @@ TEST(FrameViews, ClustersHaveRoomForAllThatMayBeKept) {
                     glm::dvec3(items[i].bounds_centre) + glm::dvec3(items[i].bounds_extent)});
     clusters.push_back({1, 4, 0, box.centre(), box.extent()});
   }
-  const auto placed = placed_views(views, host, runs, true, 1 << 20, "sun.draws", false, clusters);
-  const auto unculled = placed_views(views, host, runs, false, 1 << 20, "sun.draws", false, clusters);
+  const auto placed = test::placed_views(views, host, runs, true, 1 << 20, "sun.draws", false, clusters);
+  const auto unculled = test::placed_views(views, host, runs, false, 1 << 20, "sun.draws", false, clusters);
   ASSERT_TRUE(expected && placed && unculled);
   EXPECT_EQ(unculled->first_command.back(), 6 * 300u);
   for (size_t region = 0; region < 6 * 3; ++region) {
@@ -137,15 +129,15 @@ TEST(FrameViews, CountWhatMoves) {
   add_cube({3, 1, -4}, 12, views);
   for (const bool culling : {true, false}) {
     ViewCasters casters(nullptr, bits);
-    const auto placed = placed_views(views, items, runs, culling, 1 << 20, "local.draws", false,
-                                     std::vector{standing, moves}, &casters);
+    const auto placed = test::placed_views(views, items, runs, culling, 1 << 20, "local.draws", false,
+                                           std::vector{standing, moves}, &casters);
     ASSERT_TRUE(placed);
     // The same where all else draws nothing.
     auto moving = items;
     for (shared::Item& item : moving)
       if (item.object_id != 7 && item.object_id != 35) item.bounds_centre = glm::vec3(1e4f), item.bounds_extent = {};
-    const auto alone = placed_views(views, moving, runs, true, 1 << 20, "local.draws", false,
-                                    std::vector{moves, ItemCluster{1, 4, 34, glm::dvec3(1e4), {}}});
+    const auto alone = test::placed_views(views, moving, runs, true, 1 << 20, "local.draws", false,
+                                          std::vector{moves, ItemCluster{1, 4, 34, glm::dvec3(1e4), {}}});
     ASSERT_EQ(casters.of_view.size(), 6u);
     for (size_t region = 0; culling && region < 6 * 3; ++region)
       EXPECT_EQ(casters.of_view[region / 3].moving_counts[region % 3],
@@ -166,15 +158,15 @@ TEST(FrameViews, TooManyDrawsAreAnErrorThatNamesTheNeedAndTheKnob) {
   const std::vector<DrawBatch> runs = {run(0, 300)};
   std::vector<shared::View> views;
   add_cube({0, 0, 0}, 100, views);
-  const auto all = placed_views(views, items, runs, false, 1800);
+  const auto all = test::placed_views(views, items, runs, false, 1800);
   ASSERT_TRUE(all) << "exactly the budget fits";
   EXPECT_EQ(all->first_command.back(), 1800u);
-  const auto none = placed_views(views, items, runs, false, 1799);
+  const auto none = test::placed_views(views, items, runs, false, 1799);
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().kind, ErrorKind::usage);
   EXPECT_NE(none.error().message.find("1800"), std::string::npos) << none.error().message;
   EXPECT_NE(none.error().message.find("sun.draws"), std::string::npos) << none.error().message;
-  const auto lamps = placed_views(views, items, runs, false, 1799, "local.draws");
+  const auto lamps = test::placed_views(views, items, runs, false, 1799, "local.draws");
   ASSERT_FALSE(lamps);
   EXPECT_NE(lamps.error().message.find("local.draws"), std::string::npos) << lamps.error().message;
 }
@@ -186,7 +178,7 @@ TEST(FrameViews, ManyCubeFacesTakeWhatIsDrawnAndNotAFullBufferEach) {
   std::vector<shared::View> views;
   for (int light = 0; light < 256; ++light) add_cube(random_point(rng, 150), 15, views);
   ASSERT_EQ(views.size(), 1536u);
-  const auto placed = placed_views(views, items, runs, true, uint64_t(1) << 22);
+  const auto placed = test::placed_views(views, items, runs, true, uint64_t(1) << 22);
   ASSERT_TRUE(placed) << placed.error().text();
   const uint64_t groups = (20000 + shared::cull_group_size - 1) / shared::cull_group_size;
   const uint64_t bytes = uint64_t(placed->first_command.back()) * sizeof(shared::DrawCommand) +

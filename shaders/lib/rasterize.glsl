@@ -8,6 +8,7 @@ const float raster_guard_px = 8192.0;     // farther from the picture's middle t
 const int raster_planes = 7;
 const int most_corners = 3 + raster_planes;  // a plane adds one; where rounding would add more, they are left out
 uvec2 raster_size_px;                     // of the viewport
+ivec2 raster_first_px, raster_end_px;     // pixels of it that are drawn
 
 // A triangle in front of the camera, with positive area where y points down.
 struct Piece {
@@ -96,13 +97,13 @@ int clip_polygon(vec4 a, vec4 b, vec4 c, out vec4 polygon[most_corners]) {
   return count;
 }
 
-// Pixels whose samples it may hold; empty: none in the picture.
+// Pixels whose samples it may hold; empty: none that is drawn.
 struct PixelBounds {
   ivec2 low, high;  // inclusive
 };
 PixelBounds piece_bounds(Piece t) {
   const ivec2 low = min(t.p[0], min(t.p[1], t.p[2])), high = max(t.p[0], max(t.p[1], t.p[2]));
-  return PixelBounds(max(low >> 8, ivec2(0)), min(high >> 8, ivec2(raster_size_px) - 1));
+  return PixelBounds(max(low >> 8, raster_first_px), min(high >> 8, raster_end_px - 1));
 }
 
 // In pixels, also of what lies beside the picture.

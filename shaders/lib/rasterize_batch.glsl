@@ -27,6 +27,8 @@ View raster_view;  // that this thread draws
 void begin_view(uint view) {
   raster_view = ViewsRef(pc.views).v[view];
   raster_size_px = raster_view.size_px;
+  raster_first_px = ivec2(0);
+  raster_end_px = ivec2(raster_size_px);
 }
 #ifdef LAMPS
 vec4 raster_position(vec3 about_light) { return lamp_clip(raster_view.clip_from_relative, about_light); }
@@ -39,7 +41,11 @@ vec4 raster_position(vec3 relative) {
 }
 #endif
 #else
-void begin_view(uint view) { raster_size_px = frame.size_px; }
+void begin_view(uint view) {
+  raster_size_px = frame.size_px;
+  raster_first_px = ivec2(pc.part_first);
+  raster_end_px = ivec2(pc.part_end);
+}
 vec4 raster_position(vec3 relative) { return clip_position(relative); }
 #endif
 

@@ -35,10 +35,11 @@ struct RasterizePush {
   vec2 subsample_ndc;
   float subsample_footprint;
   uint batch_count;
-  uint most_large;  // room among them
-  uint small_px;    // bounds up to this side are one thread's
-  uint view_masks;  // bits of culling's masks for each view
-  uint image_px;    // side of the views' image
+  uint most_large;             // room among them
+  uint small_px;               // bounds up to this side are one thread's
+  uint view_masks;             // bits of culling's masks for each view
+  uint image_px;               // side of the views' image
+  uvec2 part_first, part_end;  // pixels that are wanted; only of the camera
 };
 struct ViewTexelsPush {
   uint64_t texels;
@@ -89,7 +90,7 @@ inline constexpr uint triangle_batch_size = 64, raster_tile_px = 16, raster_chun
 inline constexpr uint raster_view_batches = 8, raster_many_views = 64;
 inline constexpr int raster_most_small_px = 64;  // a side of what 32-bit edge functions hold
 inline constexpr uint depth_tile_px = 16;
-static_assert(sizeof(TriangleBatch) == 16 && sizeof(LargeTriangle) == 56 && sizeof(RasterizePush) == 104);
+static_assert(sizeof(TriangleBatch) == 16 && sizeof(LargeTriangle) == 56 && sizeof(RasterizePush) == 120);
 }  // namespace candela::shared
 #else
 const uint batch_cull_back = 1u, batch_mirrored = 2u, batch_masked = 4u, batch_unlit = 8u, batch_relief = 16u;

@@ -16,6 +16,7 @@
 #include "cli/signals.h"
 #include "farm/run_record.h"
 #include "job/job_look.h"
+#include "job/picture_window.h"
 #include "render/current_error.h"
 #include "render/shared_frames.h"
 #include "render/traced_frames.h"
@@ -94,9 +95,10 @@ Error with_first_pass(Error error, Session& session, FrameRate rate) {
 }
 
 void warn_of_odd_sides(const SequenceSettings& settings, const Job& job) {
-  if (!settings.video.empty() && (job.width_px % 2 != 0 || job.height_px % 2 != 0))
+  const auto [x, y, width, height] = picture_window(job).data;
+  if (!settings.video.empty() && (width % 2 != 0 || height % 2 != 0))
     log::warning("the film is {}x{}: H.264 with 4:2:0 chroma takes even sides, so {}x{} grows by a black row or column",
-                 job.width_px + job.width_px % 2, job.height_px + job.height_px % 2, job.width_px, job.height_px);
+                 width + width % 2, height + height % 2, width, height);
 }
 
 auto progress_of(ProgressLine& line, std::optional<RunRecorder>& recorder) {

@@ -265,7 +265,10 @@ void CommandListImpl::begin_in(std::span<const Attachment> colors, ImageHandle d
     area = {{part->x, part->y}, {uint32_t(part->width), uint32_t(part->height)}};
   }
   VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
-  info.renderArea = depth && depth_info.loadOp == VK_ATTACHMENT_LOAD_OP_CLEAR ? whole : area;
+  // Tiles and pyramids look up depths beyond the region.
+  const bool clears_beyond =
+      depth && depth_info.loadOp == VK_ATTACHMENT_LOAD_OP_CLEAR && !(part && frame_.physical.has_pages(depth.resource));
+  info.renderArea = clears_beyond ? whole : area;
   info.layerCount = shape->range.layer_count;
   info.colorAttachmentCount = color_count;
   info.pColorAttachments = color_infos.data();

@@ -45,6 +45,7 @@ struct DeviceInfo {
   bool is_cpu = false;
   bool post_depth_coverage = false;  // a fragment's coverage after the depth test
   bool int64_atomics = false;        // in buffers, as --technique visibility needs them
+  uint64_t paged_bytes = 0;          // of images and buffers that may lie on pages (gpu/pages.h); 0: none may
   RayExtensions rays;
   std::string unusable;  // empty, or what it lacks and what to install
 };

@@ -7,6 +7,7 @@
 #include "base/process.h"
 #include "base/text.h"
 #include "gpu/driver_files.h"
+#include "gpu/pages.h"
 
 namespace candela::gpu {
 
@@ -43,6 +44,15 @@ constexpr Feature<VkPhysicalDeviceFeatures> optional_core[] = {
     // Samples that compute shades; without it they go through a buffer.
     {"shaderStorageImageMultisample", &VkPhysicalDeviceFeatures::shaderStorageImageMultisample},
     {"imageCubeArray", &VkPhysicalDeviceFeatures::imageCubeArray},
+    // Memory by pages (gpu/pages.h).
+    {"sparseBinding", &VkPhysicalDeviceFeatures::sparseBinding},
+    {"sparseResidencyBuffer", &VkPhysicalDeviceFeatures::sparseResidencyBuffer},
+    {"sparseResidencyImage2D", &VkPhysicalDeviceFeatures::sparseResidencyImage2D},
+    {"sparseResidency2Samples", &VkPhysicalDeviceFeatures::sparseResidency2Samples},
+    {"sparseResidency4Samples", &VkPhysicalDeviceFeatures::sparseResidency4Samples},
+    {"sparseResidency8Samples", &VkPhysicalDeviceFeatures::sparseResidency8Samples},
+    {"sparseResidency16Samples", &VkPhysicalDeviceFeatures::sparseResidency16Samples},
+    {"sparseResidencyAliased", &VkPhysicalDeviceFeatures::sparseResidencyAliased},
 };
 constexpr Feature<VkPhysicalDeviceVulkan11Features> required_11[] = {
     {"shaderDrawParameters", &VkPhysicalDeviceVulkan11Features::shaderDrawParameters},
@@ -360,6 +370,7 @@ Expected<std::vector<Candidate>> find_candidates(VkInstance instance) {
     if (candidate.info.unusable.empty()) candidate.info.int64_atomics = has_int64_atomics(candidate.physical);
     if (!find_queues(candidate) && candidate.info.unusable.empty())
       candidate.info.unusable = "has no queue for graphics and compute; choose another device with --device";
+    candidate.info.paged_bytes = paged_bytes(candidate.physical, candidate.info, candidate.queue_family);
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(candidate.physical, &properties);
     candidate.timestamp_period_ns = properties.limits.timestampPeriod;

@@ -208,7 +208,12 @@ void FrameRunner::Hidden::fill_buffers(const FrameContext& frame, VkCommandBuffe
     if (!frame.buffers[i] || resource.imported) continue;
     const bool zeroed = std::get<BufferDesc>(resource.desc).zeroed;
     if (!zeroed && !hashing) continue;
-    vkCmdFillBuffer(commands, frame.buffers[i]->handle(), 0, VK_WHOLE_SIZE, zeroed ? 0 : poison);
+    VkDeviceSize first = 0, bytes = VK_WHOLE_SIZE;
+    if (physical->has_pages(int(i))) {
+      const uint64_t row = std::get<BufferDesc>(resource.desc).row_bytes;
+      first = uint64_t(resource.resident->y) * row, bytes = uint64_t(resource.resident->height) * row;
+    }
+    vkCmdFillBuffer(commands, frame.buffers[i]->handle(), first, bytes, zeroed ? 0 : poison);
     filled = true;
   }
   if (filled) full_barrier(commands);

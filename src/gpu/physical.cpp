@@ -22,6 +22,8 @@ Hash128 physical_key(const FramePlan& plan) {
                              uint64_t(image->kind), image->mips, image->layers, image->depth_px});
     else
       key.push_back(std::get<BufferDesc>(resource.desc).size_bytes);
+    if (const auto& part = resource.resident)
+      for (const int field : {part->x, part->y, part->width, part->height}) key.push_back(uint64_t(field));
   }
   for (const PlanPass& pass : plan.passes) {
     key.insert(key.end(), {pass.uses.size(), pass.steps()});
@@ -39,6 +41,7 @@ void Physical::clear() {
   views_.clear();
   images_.clear();
   buffers_.clear();
+  pages_.clear();
   for (const StepSets& sets : sets_) vkDestroyDescriptorPool(device_.handle(), sets.pool, nullptr);
   sets_.clear();
   for (VkDeviceMemory memory : blocks_) device_.release(memory);
@@ -49,26 +52,53 @@ void Physical::rebuild(const FramePlan& plan, bool copyable) {
   clear();
   images_.resize(plan.resources.size());
   buffers_.resize(plan.resources.size());
+  pages_.resize(plan.resources.size());
+  uint64_t paged_left = device_.info().paged_bytes / 2;  // those of a frame before may be there yet
   for (size_t i = 0; i < plan.resources.size(); ++i) {
     const PlanResource& resource = plan.resources[i];
     if (resource.first_pass < 0 || resource.imported) continue;
-    if (resource.is_image()) {
-      images_[i] = make_image(device_, std::get<ImageDesc>(resource.desc),
-                              {resource.image_usage, resource.both_queues, copyable});
-    } else if (resource.lifetime == Lifetime::frame) {
-      const auto& desc = std::get<BufferDesc>(resource.desc);
-      VkBufferUsageFlags usage = resource.buffer_usage;
-      if (copyable) usage |= VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-      // What is hashed may not hold what another buffer left in the bytes that it does not write.
-      if (resource.block < 0 || copyable)
-        buffers_[i] =
-            Buffer(device_, desc.size_bytes, usage, Buffer::Memory::device, Device::Purpose::frame, desc.name.c_str());
-      else
-        buffers_[i] = Buffer(device_, desc.size_bytes, usage, desc.name.c_str());
-    }
+    if (resource.is_image())
+      make_image_of(resource, i, copyable, paged_left);
+    else if (resource.lifetime == Lifetime::frame)
+      make_buffer_of(resource, i, copyable, paged_left);
   }
   bind_blocks(plan, copyable);
   make_views(plan, copyable);
+}
+
+void Physical::make_image_of(const PlanResource& resource, size_t i, bool copyable, uint64_t& paged_left) {
+  const auto& desc = std::get<ImageDesc>(resource.desc);
+  const uint64_t bytes = whole_bytes(resource);
+  ImageMaking making{resource.image_usage, resource.both_queues, copyable, resource.resident && bytes <= paged_left};
+  images_[i] = make_image(device_, desc, making);
+  if (!images_[i].paged) return;
+  pages_[i] = pages_of(device_, images_[i].image, images_[i].aspect, *resource.resident);
+  if (pages_[i]) {
+    paged_left -= bytes;
+    return;
+  }
+  vkDestroyImage(device_.handle(), images_[i].image, nullptr);
+  images_[i] = {};
+  making.paged = false;
+  images_[i] = make_image(device_, desc, making);
+}
+
+void Physical::make_buffer_of(const PlanResource& resource, size_t i, bool copyable, uint64_t& paged_left) {
+  const auto& desc = std::get<BufferDesc>(resource.desc);
+  VkBufferUsageFlags usage = resource.buffer_usage;
+  if (copyable) usage |= VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  if (resource.resident && !copyable && desc.size_bytes <= paged_left) {
+    paged_left -= desc.size_bytes;
+    buffers_[i] = Buffer(device_, desc.size_bytes, usage, desc.name.c_str(), paged_buffer_flags);
+    const auto row = [&](int y) { return uint64_t(y) * desc.row_bytes; };
+    pages_[i] = pages_of(device_, buffers_[i].handle(), row(resource.resident->y), row(resource.resident->end_y()));
+  } else if (resource.block < 0 || copyable) {
+    // What is hashed may not hold what another buffer left in the bytes that it does not write.
+    buffers_[i] =
+        Buffer(device_, desc.size_bytes, usage, Buffer::Memory::device, Device::Purpose::frame, desc.name.c_str());
+  } else {
+    buffers_[i] = Buffer(device_, desc.size_bytes, usage, desc.name.c_str());
+  }
 }
 
 void Physical::make_step_sets(const FramePlan& plan, StepSets& into) {
@@ -200,6 +230,8 @@ PhysicalImage make_image(Device& device, const ImageDesc& desc, const ImageMakin
     if (desc.samples == 1 || can_make(device.physical(), info, info.usage | more)) info.usage |= more;
   }
   PhysicalImage image;
+  image.paged = making.paged && can_be_paged(device, info);
+  if (image.paged) info.flags |= paged_image_flags;
   image.sampled = info.usage & VK_IMAGE_USAGE_SAMPLED_BIT;
   VK_CHECK(vkCreateImage(device.handle(), &info, nullptr, &image.image));
   image.texels = is_depth_format(desc.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
@@ -208,20 +240,27 @@ PhysicalImage make_image(Device& device, const ImageDesc& desc, const ImageMakin
   return image;
 }
 
+VkMemoryRequirements Physical::needs_of(size_t i) const {
+  if (pages_[i]) return pages_[i]->needs;
+  if (!images_[i].image) return buffers_[i].requirements();
+  VkMemoryRequirements needs;
+  vkGetImageMemoryRequirements(device_.handle(), images_[i].image, &needs);
+  return needs;
+}
+
 void Physical::bind_blocks(const FramePlan& plan, bool copyable) {
   const auto shares = [&](size_t i) {
     return plan.resources[i].block >= 0 && (images_[i].image || (buffers_[i] && !copyable));
   };
   std::vector<VkMemoryRequirements> needs(plan.block_bytes.size(), {0, 1, ~0u});
+  std::vector<bool> apart(plan.resources.size());  // what is on pages may need memory of another type
   for (size_t i = 0; i < plan.resources.size(); ++i) {
     CHECK_MSG(!images_[i].image || plan.resources[i].block >= 0, plan.resources[i].name());
     if (!shares(i)) continue;
-    VkMemoryRequirements own;
-    if (images_[i].image)
-      vkGetImageMemoryRequirements(device_.handle(), images_[i].image, &own);
-    else
-      own = buffers_[i].requirements();
+    const VkMemoryRequirements own = needs_of(i);
     VkMemoryRequirements& block = needs[size_t(plan.resources[i].block)];
+    apart[i] = (block.memoryTypeBits & own.memoryTypeBits) == 0;
+    if (apart[i]) continue;
     block.size = std::max(block.size, own.size);
     block.alignment = std::max(block.alignment, own.alignment);
     block.memoryTypeBits &= own.memoryTypeBits;
@@ -230,13 +269,26 @@ void Physical::bind_blocks(const FramePlan& plan, bool copyable) {
   for (size_t block = 0; block < needs.size(); ++block)
     if (needs[block].size > 0)
       blocks_[block] = device_.allocate(needs[block], 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, Device::Purpose::frame);
+  std::vector<PageBinding> paged;
   for (size_t i = 0; i < plan.resources.size(); ++i) {
-    if (!shares(i)) continue;
-    const VkDeviceMemory memory = blocks_[size_t(plan.resources[i].block)];
-    if (images_[i].image)
-      VK_CHECK(vkBindImageMemory(device_.handle(), images_[i].image, memory, 0));
-    else
-      buffers_[i].bind(memory);
+    if (shares(i) && !apart[i]) {
+      bind_to(i, blocks_[size_t(plan.resources[i].block)], paged);
+    } else if (pages_[i] || apart[i]) {
+      blocks_.push_back(device_.allocate(needs_of(i), 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, Device::Purpose::frame));
+      bind_to(i, blocks_.back(), paged);
+    }
+  }
+  bind_pages(device_, paged);
+}
+
+void Physical::bind_to(size_t i, VkDeviceMemory memory, std::vector<PageBinding>& paged) {
+  if (pages_[i]) {
+    paged.push_back({images_[i].image, images_[i].image ? VK_NULL_HANDLE : buffers_[i].handle(), &*pages_[i], memory});
+    if (!images_[i].image) buffers_[i].find_address();
+  } else if (images_[i].image) {
+    VK_CHECK(vkBindImageMemory(device_.handle(), images_[i].image, memory, 0));
+  } else {
+    buffers_[i].bind(memory);
   }
 }
 

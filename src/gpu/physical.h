@@ -8,6 +8,7 @@
 #include "gpu/bindless.h"
 #include "gpu/device.h"
 #include "gpu/frame_runner.h"
+#include "gpu/pages.h"
 #include "gpu/resources.h"
 #include "graph/plan.h"
 
@@ -18,6 +19,7 @@ struct PhysicalImage {
   VkImageAspectFlags aspect = 0;  // what barriers and attachments mean
   VkImageAspectFlags texels = 0;  // what shaders read and copies move: depth, of depth and stencil
   bool sampled = false;           // made with SAMPLED usage
+  bool paged = false;             // made for memory by pages
 };
 
 constexpr VkImageUsageFlags viewable_usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT |
@@ -28,6 +30,7 @@ struct ImageMaking {
   VkImageUsageFlags usage = 0;
   bool both_queues = false;
   bool copyable = false;  // also the source of copies, or sampled where multisampled images cannot be copied
+  bool paged = false;     // for memory by pages, where the device can
 };
 PhysicalImage make_image(Device& device, const ImageDesc& desc, const ImageMaking& making);  // without memory
 
@@ -79,6 +82,8 @@ class Physical {
   void rebuild(const FramePlan& plan, bool copyable);
   void clear();
   const PhysicalImage& image(int resource) const { return images_[size_t(resource)]; }
+  // Whether only what is resident of it (PlanResource) has memory.
+  bool has_pages(int resource) const { return pages_[size_t(resource)].has_value(); }
   VkImageView view(const ViewKey& key) const { return views_.at(key); }
   // slot: of the frame in flight. Each slot has sets of its own, made when it is first bound.
   const StepImages& step_images(size_t slot, size_t pass, uint32_t step) const {
@@ -93,7 +98,11 @@ class Physical {
   }  // empty: imported, read back, or unused
 
  private:
+  void make_image_of(const PlanResource& resource, size_t i, bool copyable, uint64_t& paged_left);
+  void make_buffer_of(const PlanResource& resource, size_t i, bool copyable, uint64_t& paged_left);
+  VkMemoryRequirements needs_of(size_t i) const;
   void bind_blocks(const FramePlan& plan, bool copyable);
+  void bind_to(size_t i, VkDeviceMemory memory, std::vector<PageBinding>& paged);
   void make_views(const FramePlan& plan, bool copyable);
   struct StepSets {
     VkDescriptorPool pool = VK_NULL_HANDLE;
@@ -107,8 +116,9 @@ class Physical {
 
   Device& device_;
   Bindless& bindless_;
-  std::vector<PhysicalImage> images_;  // by resource
-  std::vector<Buffer> buffers_;        // by resource
+  std::vector<PhysicalImage> images_;        // by resource
+  std::vector<Buffer> buffers_;              // by resource
+  std::vector<std::optional<Pages>> pages_;  // by resource; empty: it has memory for all of it
   std::map<ViewKey, VkImageView> views_;
   std::vector<StepSets> sets_;  // by slot
   std::vector<VkDeviceMemory> blocks_;

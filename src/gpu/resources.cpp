@@ -46,13 +46,15 @@ Buffer::Buffer(Device& device, uint64_t size_bytes, VkBufferUsageFlags usage, Me
   }
 }
 
-Buffer::Buffer(Device& device, uint64_t size_bytes, VkBufferUsageFlags usage, const char* name)
+Buffer::Buffer(Device& device, uint64_t size_bytes, VkBufferUsageFlags usage, const char* name,
+               VkBufferCreateFlags flags)
     : device_(&device), size_(size_bytes) {
-  create(usage, name);
+  create(usage, name, flags);
 }
 
-void Buffer::create(VkBufferUsageFlags usage, const char* name) {
+void Buffer::create(VkBufferUsageFlags usage, const char* name, VkBufferCreateFlags flags) {
   VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+  info.flags = flags;
   info.size = (std::max<uint64_t>(size_, 16) + 3) & ~3ull;  // Vulkan has no empty buffers; fills go by four bytes
   info.usage = usage_ = usage;
   share(*device_, info);

@@ -19,9 +19,11 @@ class Buffer {
   Buffer(Device& device, uint64_t size_bytes, VkBufferUsageFlags usage, Memory memory, Device::Purpose purpose,
          const char* name);
   // Without memory of its own: nothing may be done with it before bind.
-  Buffer(Device& device, uint64_t size_bytes, VkBufferUsageFlags usage, const char* name);
+  Buffer(Device& device, uint64_t size_bytes, VkBufferUsageFlags usage, const char* name,
+         VkBufferCreateFlags flags = 0);
   VkMemoryRequirements requirements() const;
   void bind(VkDeviceMemory shared);  // at its begin; the memory's owner outlives the buffer
+  void find_address();               // instead, where its pages are bound (gpu/pages.h)
   ~Buffer();
   Buffer(Buffer&& other) noexcept;
   Buffer& operator=(Buffer&& other) noexcept;
@@ -35,8 +37,7 @@ class Buffer {
 
  private:
   Device* device_ = nullptr;
-  void create(VkBufferUsageFlags usage, const char* name);
-  void find_address();
+  void create(VkBufferUsageFlags usage, const char* name, VkBufferCreateFlags flags = 0);
   VkBuffer buffer_ = VK_NULL_HANDLE;
   VkBufferUsageFlags usage_ = 0;
   VkDeviceMemory memory_ = VK_NULL_HANDLE;

@@ -72,4 +72,16 @@ uint64_t transient_bytes(const FramePlan& plan) {
   return bytes;
 }
 
+uint64_t transient_bytes_whole(const FramePlan& plan) {
+  FramePlan whole;
+  whole.resources = plan.resources;
+  whole.block_bytes.resize(plan.block_bytes.size());
+  for (PlanResource& r : whole.resources) {
+    if (r.first_pass >= 0) r.bytes = whole_bytes(r);
+    if (r.first_pass >= 0 && r.block >= 0)
+      whole.block_bytes[size_t(r.block)] = std::max(whole.block_bytes[size_t(r.block)], r.bytes);
+  }
+  return transient_bytes(whole);
+}
+
 }  // namespace candela

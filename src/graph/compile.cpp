@@ -1,3 +1,5 @@
+#include <bit>
+
 #include "base/check.h"
 #include "graph/builder.h"
 #include "graph/queues.h"
@@ -49,6 +51,37 @@ uint64_t size_bytes(const ImageDesc& image) {
   return texels * image.layers * image.samples * format_bytes(image.format);
 }
 uint64_t size_bytes(const BufferDesc& buffer) { return buffer.size_bytes; }
+
+constexpr uint64_t page_bytes = 64 << 10;
+
+uint64_t pages_of(const ImageDesc& image, const PixelRect& part) {
+  const int bits = std::bit_width(page_bytes / (uint64_t(image.samples) * format_bytes(image.format))) - 1;
+  const int width = 1 << (bits + 1) / 2, height = 1 << bits / 2;  // Vulkan's standard shapes of pages
+  const auto count = [](int first, int end, int side) { return uint64_t((end + side - 1) / side - first / side); };
+  return count(part.x, part.end_x(), width) * count(part.y, part.end_y(), height) * page_bytes;
+}
+uint64_t pages_of(const BufferDesc& buffer, const PixelRect& part) {
+  return (uint64_t(part.height) * buffer.row_bytes + page_bytes - 1) / page_bytes * page_bytes;
+}
+bool is_of_picture(const ImageDesc& image, const PictureParts& parts) {
+  return image.width_px == uint32_t(parts.width_px) && image.height_px == uint32_t(parts.height_px) &&
+         image.kind == ImageKind::d2 && image.mips == 1 && image.layers == 1;
+}
+bool is_of_picture(const BufferDesc& buffer, const PictureParts&) { return buffer.row_bytes > 0; }
+
+// Where pages save at least half of it.
+void find_resident(const PictureParts& parts, PlanResource& resource) {
+  if (resource.lifetime != Lifetime::frame) return;
+  std::visit(
+      [&](const auto& desc) {
+        if (!is_of_picture(desc, parts)) return;
+        const uint64_t bytes = pages_of(desc, parts.seen);
+        if (2 * bytes > resource.bytes) return;
+        resource.bytes = bytes;
+        resource.resident = parts.seen;
+      },
+      resource.desc);
+}
 
 Lifetime lifetime_of(const PlanResource& resource) {
   if (resource.imported) return Lifetime::scene;
@@ -116,13 +149,18 @@ void make_physical(const GraphBuilder& builder, const KeptKeys& kept, FramePlan&
     if (plan.resources[sink].first_pass >= 0) plan.resources[sink].last_pass = int(plan.passes.size()) - 1;
   for (PlanResource& resource : plan.resources) {
     if (resource.first_pass < 0) continue;
-    resource.bytes = std::visit([](const auto& desc) { return size_bytes(desc); }, resource.desc);
+    resource.bytes = whole_bytes(resource);
+    if (plan.parts) find_resident(*plan.parts, resource);
     const auto* buffer = std::get_if<BufferDesc>(&resource.desc);
     if (buffer && buffer->zeroed && !resource.imported) resource.buffer_usage |= VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   }
 }
 
 }  // namespace
+
+uint64_t whole_bytes(const PlanResource& resource) {
+  return std::visit([](const auto& desc) { return size_bytes(desc); }, resource.desc);
+}
 
 CompiledGraph compile_graph(const GraphBuilder& builder, const KeptKeys& keys) {
   validate(builder);

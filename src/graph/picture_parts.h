@@ -13,6 +13,7 @@ enum class PicturePart : uint8_t {
 };
 struct PictureParts {
   PixelRect seen, shaded;
+  int width_px = 0, height_px = 0;  // of the whole picture
   const PixelRect& of(PicturePart part) const { return part == PicturePart::seen ? seen : shaded; }
   bool operator==(const PictureParts&) const = default;
 };

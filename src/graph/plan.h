@@ -34,6 +34,7 @@ struct BufferDesc {
   BufferMemory memory = BufferMemory::device;
   bool zeroed = false;     // filled with zeros before the frame's first use (counters)
   bool unordered = false;  // scratch whose order depends on how threads arrive; what is made of it does not. Not hashed
+  uint64_t row_bytes = 0;  // of each row of the picture's pixels, one after the other; 0: it holds something else
 };
 
 struct PlanUse {
@@ -107,7 +108,10 @@ struct PlanResource {
   int first_pass = -1, last_pass = -1;  // positions in FramePlan::passes; -1: unused, owns nothing
   int block = -1;                       // what is transient shares memory blocks where lifetimes are disjoint
   uint64_t bytes = 0;                   // estimate: size without padding
-  bool both_queues = false;             // passes of both queues use it
+  // Where a region alone of the picture is worked on, of an image or buffer of its pixels: those that need memory,
+  // where the device can leave the others without (gpu/pages.h). `bytes` is theirs.
+  std::optional<PixelRect> resident;
+  bool both_queues = false;  // passes of both queues use it
   const std::string& name() const {
     return std::visit([](const auto& d) -> const std::string& { return d.name; }, desc);
   }
@@ -135,6 +139,9 @@ struct FramePlan {
 std::vector<PlanKnob> plan_knobs(const FramePlan& plan);  // of all kept passes, each once, by first use
 uint64_t transient_bytes(const FramePlan& plan);          // with aliasing
 uint64_t transient_bytes_unaliased(const FramePlan& plan);
+// With aliasing, on a device that cannot leave parts of images without memory.
+uint64_t transient_bytes_whole(const FramePlan& plan);
+uint64_t whole_bytes(const PlanResource& resource);
 Hash128 plan_hash(const FramePlan& plan);      // of passes, uses, pipelines, sizes, knobs: what timings depend on
 std::string plan_text(const FramePlan& plan);  // what runs, what was left out and why, each image's memory
 std::string plan_json(const FramePlan& plan);

@@ -107,6 +107,7 @@ Json resource_json(const PlanResource& resource) {
     result["block"] = resource.block;
   }
   result["bytes"] = resource.bytes;
+  if (const auto& part = resource.resident) result["resident"] = {part->x, part->y, part->width, part->height};
   result["lifetime"] = lifetimes[int(resource.lifetime)];
   result["first_pass"] = resource.first_pass;
   result["last_pass"] = resource.last_pass;
@@ -127,6 +128,7 @@ std::string plan_json(const FramePlan& plan) {
                  {"memory",
                   {{"transient_bytes", transient_bytes(plan)},
                    {"transient_bytes_unaliased", transient_bytes_unaliased(plan)},
+                   {"transient_bytes_whole", transient_bytes_whole(plan)},
                    {"block_bytes", plan.block_bytes}}},
                  {"hash", plan_hash(plan).hex()}};
   for (const QueueBatch& batch : plan.batches)

@@ -177,11 +177,15 @@ std::string image_size_text(const ImageDesc& image) {
 
 std::string plan_text(const FramePlan& plan) {
   const uint64_t aliased = transient_bytes(plan), unaliased = transient_bytes_unaliased(plan);
+  const bool any_pages = std::ranges::any_of(plan.resources, [](const PlanResource& r) { return bool(r.resident); });
+  const std::string whole = any_pages ? fmt::format("  {} on a device that has no memory by pages\n",
+                                                    human_bytes(transient_bytes_whole(plan)))
+                                      : "";
   return fmt::format(
-      "plan {}: {} passes, {} left out\n\npasses\n{}{}{}{}{}{}{}\nmemory of the frame\n  {} ({} without aliasing)\n",
+      "plan {}: {} passes, {} left out\n\npasses\n{}{}{}{}{}{}{}\nmemory of the frame\n  {} ({} without aliasing)\n{}",
       plan_hash(plan).hex(), plan.passes.size(), plan.left_out.size(), passes_text(plan), batches_text(plan),
       left_out_text(plan), images_text(plan), buffers_text(plan), pipelines_text(plan), knobs_text(plan),
-      human_bytes(aliased), human_bytes(unaliased));
+      human_bytes(aliased), human_bytes(unaliased), whole);
 }
 
 }  // namespace candela

@@ -9,6 +9,7 @@
 #include "base/files.h"
 #include "base/log.h"
 #include "image/prepare.h"
+#include "job/picture_window.h"
 #include "render/current_error.h"
 #include "render/outputs.h"
 #include "render/video.h"
@@ -107,7 +108,8 @@ class Run {
 
   Expected<SequenceResult> all() {
     if (!settings_.video.empty()) {
-      auto video = VideoWriter::open(settings_.video, settings_.audio, job_.width_px, job_.height_px, settings_.rate);
+      const PixelRect data = picture_window(job_).data;
+      auto video = VideoWriter::open(settings_.video, settings_.audio, data.width, data.height, settings_.rate);
       if (!video) return std::unexpected(video.error());
       video_ = std::move(*video);
     }

@@ -76,7 +76,7 @@ std::optional<PictureParts> picture_parts(const SceneFacts& facts, const FrameRe
     return std::nullopt;
   }
   const int reach = filters_reach_px(facts, request, knobs);
-  PictureParts parts;
+  PictureParts parts{.width_px = width, .height_px = height};
   parts.shaded = grown(region, reach, part_step_px, width, height);
   // The cells of neighbouring tiles, and what is looked up about a texel.
   parts.seen = grown(parts.shaded, part_step_px, part_step_px, width, height);

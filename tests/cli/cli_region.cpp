@@ -85,6 +85,65 @@ TEST_F(CliRegion, TracesARegionAsTheDataWindow) {
   expect_part(png, part_png, 13, 7);
 }
 
+// Frames of a film are regions as a picture is, of both renderers, and video has the region's size.
+TEST_F(CliRegion, FilmsHaveRegionsOfTheirFrames) {
+  for (const std::string technique : {"auto", "reference"}) {
+    SCOPED_TRACE(technique);
+    const auto film = [&](const std::string& name, Arguments more) {
+      Arguments words = {"sequence",
+                         scene("animated"),
+                         "--size",
+                         "64x36",
+                         "--frames",
+                         "3-4",
+                         "--quiet",
+                         "--technique",
+                         technique,
+                         "-o",
+                         folder / (name + "-%d.exr"),
+                         "-o",
+                         folder / (name + "-%d.png")};
+      if (technique == "reference") words.insert(words.end(), {"--spp", "1"});
+      words.insert(words.end(), more.begin(), more.end());
+      const Ended ended = candela(words);
+      EXPECT_EQ(ended.code, 0) << ended.err;
+    };
+    const Arguments region = {"--region", "13,7,21,18"};
+    film(technique + "-whole", {});
+    film(technique + "-part", region);
+    const auto read = [&](const std::string& name) {
+      auto image = read_image(folder / name);
+      EXPECT_TRUE(image) << name;
+      return image ? std::move(*image) : FloatImage{};
+    };
+    for (const char* frame : {"3", "4"}) {
+      const FloatImage part = read(technique + "-part-" + frame + ".exr");
+      expect_windows(part, 13, 7, 21, 18);
+      expect_part(read(technique + "-whole-" + frame + ".exr"), part, 13, 7);
+      expect_part(read(technique + "-whole-" + frame + ".png"), read(technique + "-part-" + frame + ".png"), 13, 7);
+    }
+    // A film that goes on finds its frames, and those of another region are none.
+    Arguments again = region;
+    again.push_back("--resume");
+    film(technique + "-part", again);
+    if (run_program({"ffmpeg", "-version"}).code != 0) continue;
+    for (const auto& [asked, size] : {std::pair("13,7,21,18", "22x18"), {"0,0,20,10", "20x10"}}) {
+      const std::string video = folder / (technique + ".mp4");
+      Arguments words = {"sequence",    scene("animated"), "--size",  "65x37", "--frames", "3-4",
+                         "--technique", technique,         "--video", video,   "--region", asked};
+      if (technique == "reference") words.insert(words.end(), {"--spp", "1"});
+      const Ended ended = candela(words);
+      ASSERT_EQ(ended.code, 0) << ended.err;
+      EXPECT_EQ(ended.err.find("grows by a black row or column") != std::string::npos, std::string(size) == "22x18")
+          << ended.err;
+      const std::string still = folder / (technique + std::string(size) + ".png");
+      ASSERT_EQ(run_program({"ffmpeg", "-loglevel", "error", "-i", video, "-frames:v", "1", still}).code, 0);
+      const FloatImage picture = read(technique + std::string(size) + ".png");
+      EXPECT_EQ(fmt::format("{}x{}", picture.width, picture.height), size);
+    }
+  }
+}
+
 // As compositors know it: pixels beyond the display window.
 TEST_F(CliRegion, OverscanIsALargerDataWindow) {
   for (const char* command : {"render", "reference"}) {

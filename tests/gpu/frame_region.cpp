@@ -80,6 +80,34 @@ TEST_F(FrameRegion, PixelsAreThoseOfTheWholeAtEveryQuality) {
   expect_part_of_whole(exact, true);
 }
 
+// Images and keys of a large picture have memory about the region alone, where the device can.
+TEST_F(FrameRegion, PagesAboutTheRegionHoldThePixelsOfTheWhole) {
+  for (const char* technique : {"clustered", "deferred-tiled", "visibility", "ray"}) {
+    SCOPED_TRACE(technique);
+    Job job = street();
+    job.technique = technique, job.quality = "draft", job.samples = 1;
+    job.width_px = 1024, job.height_px = 640;
+    job.settings.push_back({"occlusion", "texel_px", "2"});
+    expect_part_of_whole(job, true);
+    job.region = region;
+    const auto session = open(job);
+    ASSERT_TRUE(session);
+    const FrameResult result = render(*session, 0);
+    const FramePlan& plan = result.plan;
+    EXPECT_LT(transient_bytes(plan), transient_bytes_whole(plan));
+    if (session->device().info().paged_bytes == 0) continue;
+    // Of the largest image or buffer alone that much is saved; lavapipe has no pages for what is drawn into.
+    constexpr VkImageUsageFlags drawn =
+        VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
+    uint64_t saved = 0;
+    for (const PlanResource& r : plan.resources)
+      if (r.resident && !(session->device().info().is_cpu && (r.image_usage & drawn)))
+        saved = std::max(saved, whole_bytes(r) - r.bytes);
+    if (std::string_view(technique) == "ray") EXPECT_GT(saved, 0u);
+    if (saved > 0) EXPECT_LT(session->device().memory_use().frame + saved / 2, transient_bytes_whole(plan));
+  }
+}
+
 TEST_F(FrameRegion, DisplayOutputAndEveryLayerAreThoseOfTheWhole) {
   Job job = with_layers(street());
   job.tonemap = "agx";

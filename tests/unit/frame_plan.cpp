@@ -309,6 +309,36 @@ TEST(Plan, OneSampleNeedsNoResolve) {
   EXPECT_LT(transient_bytes(one.graph().plan), transient_bytes(four.graph().plan));
 }
 
+// A tile of a large picture needs the memory of the tile.
+TEST(Plan, MemoryOfARegionIsInProportionToIt) {
+  const Scene scene = generated("spheres");
+  for (const char* technique : {"clustered", "deferred-tiled", "ray"})
+    for (const auto& [width, height] : {std::pair(15360, 8640), {16384, 16384}}) {
+      SCOPED_TRACE(technique);
+      Job job = small_job(4);
+      job.technique = technique, job.width_px = width, job.height_px = height;
+      // What the frame needs whatever it shows: shadow maps, lists, and the border about a region.
+      const auto bytes = [&](int side) {
+        job.region = PixelRect{2048, 2048, side, side};
+        return double(transient_bytes(plan(scene, job).graph.plan));
+      };
+      const double one = bytes(512), two = bytes(1024), four = bytes(2048);
+      const double whole_frame = double(transient_bytes_whole(plan(scene, job).graph.plan));
+      // Keys of a visibility buffer have memory for whole rows.
+      if (std::string_view(technique) == "ray") {
+        EXPECT_NEAR((four - two) / (two - one), 2, 1);
+        EXPECT_LT(four, 0.25 * whole_frame);
+      } else {
+        EXPECT_NEAR((four - two) / (two - one), 4, 0.6);
+        EXPECT_LT(four, 0.06 * whole_frame);
+      }
+      job.region.reset();
+      const FramePlan whole = plan(scene, job).graph.plan;
+      EXPECT_TRUE(std::ranges::none_of(whole.resources, [](const PlanResource& r) { return bool(r.resident); }));
+      EXPECT_EQ(transient_bytes_whole(whole), transient_bytes(whole));
+    }
+}
+
 TEST(Plan, OnlyBlendedSurfacesPlanATransparentPass) {
   EXPECT_FALSE(has(plan(generated("spheres")), "transparent"));
   EXPECT_TRUE(has(plan(generated("alpha")), "transparent"));

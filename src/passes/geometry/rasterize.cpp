@@ -4,6 +4,7 @@
 
 #include "passes/shared/draw_batches.h"
 #include "passes/shared/features.h"
+#include "passes/shared/keys_buffer.h"
 #include "shared/visibility.h"
 
 namespace candela {
@@ -111,11 +112,13 @@ Rasterize::Out Rasterize::declare(GraphBuilder& builder, const In& in) const {
   const SceneInputs& s = in.scene;
   std::vector<SpecConstant> constants = {{30, "SAMPLES", s.samples}};
   if (in.masks_by_sample && s.samples > 1) constants.push_back({32, "MASKS_BY_SAMPLE", 1});
-  BufferDesc keys{"keys", uint64_t(s.width_px) * s.height_px * s.samples * sizeof(uint64_t)};
+  BufferDesc keys = keys_buffer(s);
   keys.zeroed = true;
   Out out;
   out.keys = in.keys ? in.keys : builder.create(keys);
   out.steps = declare_steps(builder, s, in.masks, in.deformed, out.keys, knobs, {}, std::move(constants));
+  const PixelRect whole{0, 0, int(s.width_px), int(s.height_px)};
+  out.part = builder.picture_parts() ? builder.picture_parts()->seen : whole;
   return out;
 }
 
@@ -123,6 +126,7 @@ void Rasterize::record(CommandList& commands, const In& in, const Out& out) cons
   shared::RasterizePush push{};
   push.subsample_ndc = in.scene.subsample_ndc();
   push.subsample_footprint = in.scene.subsample_footprint;
+  push.part_first = {out.part.x, out.part.y}, push.part_end = {out.part.end_x(), out.part.end_y()};
   record_step(commands, in.scene, in.masks, in.deformed, out.keys, out.steps, knobs, 1, push);
 }
 

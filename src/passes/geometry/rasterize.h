@@ -36,6 +36,7 @@ struct Rasterize {
   struct Out {
     BufferHandle keys;
     RasterSteps steps;
+    PixelRect part;  // pixels that are wanted
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;

@@ -1,6 +1,7 @@
 #include "passes/geometry/trace_keys.h"
 
 #include "passes/shared/features.h"
+#include "passes/shared/keys_buffer.h"
 #include "shared/visibility.h"
 
 namespace candela {
@@ -20,9 +21,7 @@ TraceKeys::Out TraceKeys::declare(GraphBuilder& builder, const In& in) const {
   for (const SpecConstant& c : s.features)
     if (Feature(c.id) == Feature::subsample || Feature(c.id) == Feature::relief) constants.push_back(c);
   Out out;
-  out.keys = builder.write(
-      builder.create(BufferDesc{"keys", uint64_t(s.width_px) * s.height_px * s.samples * sizeof(uint64_t)}),
-      by_pipeline ? Access::rays_write : Access::compute_write);
+  out.keys = builder.write(builder.create(keys_buffer(s)), by_pipeline ? Access::rays_write : Access::compute_write);
   if (by_pipeline)
     out.pipeline = builder.pipeline(
         RayPipelineDesc{"trace_keys.rgen", "trace_keys.rmiss", "trace_keys.rchit", "trace_keys.rahit", constants});

@@ -26,8 +26,9 @@ SampleStore declare_sample_store(GraphBuilder& builder, const SceneInputs& scene
     const ImageDesc desc{"color", color_format, scene.width_px, scene.height_px, scene.samples};
     store.color = builder.write(builder.create(desc), Access::storage_image_write);
   } else {
-    const uint64_t samples = uint64_t(scene.width_px) * scene.height_px * scene.samples;
-    const BufferDesc desc{fmt::format("{}.samples", pass), samples * sizeof(glm::vec4)};
+    BufferDesc desc{.name = fmt::format("{}.samples", pass)};
+    desc.row_bytes = uint64_t(scene.width_px) * scene.samples * sizeof(glm::vec4);
+    desc.size_bytes = scene.height_px * desc.row_bytes;
     store.buffer = builder.write(builder.create(desc), Access::compute_write);
   }
   return store;

@@ -2,6 +2,7 @@
 
 #include <fmt/ranges.h>
 
+#include "base/file_uses.h"
 #include "base/files.h"
 #include "gltf/animation.h"
 #include "gltf/extensions.h"
@@ -48,14 +49,19 @@ Expected<Scene> load_gltf(const std::filesystem::path& path, const LoadOptions& 
   return scene;
 }
 
-void note_scene_files(const std::filesystem::path& path) {
+std::vector<std::filesystem::path> files_named_by(const std::filesystem::path& path) {
   const Expected<std::vector<std::byte>> bytes = read_file(path);
-  if (!bytes) return;
+  if (!bytes) return {};
   try {
-    gltf::note_named_files(gltf::open_document(*bytes, path.string(), path.parent_path()));
+    return gltf::named_files(gltf::open_document(*bytes, path.string(), path.parent_path()));
   } catch (const std::exception&) {
   } catch (const gltf::Failure&) {
   }
+  return {};
+}
+
+void note_scene_files(const std::filesystem::path& path) {
+  for (const std::filesystem::path& file : files_named_by(path)) note_read({path.string(), file});
 }
 
 Expected<Scene> load_gltf_from_memory(std::span<const std::byte> bytes, const std::string& name,

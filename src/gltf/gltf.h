@@ -31,7 +31,9 @@ Expected<Scene> load_gltf(const std::filesystem::path& path, const LoadOptions& 
 Expected<Scene> load_gltf_from_memory(std::span<const std::byte> bytes, const std::string& name,
                                       const std::filesystem::path& folder, const LoadOptions& options = {});
 
-// Notes the files that a scene names as read (base/file_uses.h), without loading it. What is no glTF names none.
+// The files that a scene names, there or not, without loading it. What is no glTF names none.
+std::vector<std::filesystem::path> files_named_by(const std::filesystem::path& path);
+// Notes them as read (base/file_uses.h).
 void note_scene_files(const std::filesystem::path& path);
 
 }  // namespace candela

@@ -62,7 +62,8 @@ Expected<std::vector<std::byte>> read_named_file(Document& document, const std::
   return bytes;
 }
 
-void note_named_files(const Document& document) {
+std::vector<std::filesystem::path> named_files(const Document& document) {
+  std::vector<std::filesystem::path> files;
   std::vector<const Json*> open = {&document.json};
   while (!open.empty()) {
     const Json& json = *open.back();
@@ -73,9 +74,14 @@ void note_named_files(const Document& document) {
       if (key != "uri" || !value.is_string()) continue;
       const std::string& uri = value.get_ref<const std::string&>();
       if (is_data_uri(uri) || has_scheme(uri)) continue;
-      for (const std::string& name : meant_by(uri)) note_read({document.name, document.folder / name});
+      for (const std::string& name : meant_by(uri)) files.push_back(document.folder / name);
     }
   }
+  return files;
+}
+
+void note_named_files(const Document& document) {
+  for (const std::filesystem::path& file : named_files(document)) note_read({document.name, file});
 }
 
 std::span<const std::byte> buffer_bytes(Document& document, size_t buffer) {

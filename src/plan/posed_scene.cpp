@@ -102,11 +102,14 @@ Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_
 }
 
 Expected<PosedScene> pose_before(const Scene& scene, const Job& job, double time_s, const Pose& now) {
-  auto before = pose_scene(scene, job, time_s - job.motion_s);
+  double before_s = time_s - job.motion_s;
+  const std::vector<double> cuts = camera_cuts(scene, job);
+  if (const auto next = std::ranges::upper_bound(cuts, time_s); next != cuts.begin())
+    before_s = std::max(before_s, *std::prev(next));
+  auto before = pose_scene(scene, job, before_s);
   if (!before)
     return fail(before.error().kind, before.error().place,
-                "{} (at {} s, the time before, which the layer motion needs)", before.error().message,
-                time_s - job.motion_s);
+                "{} (at {} s, the time before, which the layer motion needs)", before.error().message, before_s);
   if (before->pose.node_visible == now.node_visible) return before;
   before->pose.node_visible = now.node_visible;
   before->data = make_frame_data(scene, before->pose, before->view);

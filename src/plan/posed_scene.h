@@ -28,8 +28,8 @@ Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_
 double lens_radius_m(const LensLook& lens, const View& view);
 Expected<double> focus_m(const Scene& scene, const LensLook& lens, const Pose& pose, const View& view);
 
-// The same scene and camera at Job::motion_s before time_s, with the items of `now`, the pose at time_s, one for one:
-// what is visible now, where it was then.
+// The same scene and camera at Job::motion_s before time_s, but not before the last cut of the camera, with the items
+// of `now`, the pose at time_s, one for one: what is visible now, where it was then.
 Expected<PosedScene> pose_before(const Scene& scene, const Job& job, double time_s, const Pose& now);
 
 }  // namespace candela

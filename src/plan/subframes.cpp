@@ -11,6 +11,7 @@
 #include "passes/post/subframes.h"
 #include "plan/ask_frame.h"
 #include "scene/pose.h"
+#include "scene/scene_path.h"
 
 namespace candela {
 namespace {
@@ -44,8 +45,19 @@ std::vector<double> camera_cuts(const Scene& scene, const Job& job) {
   const int carried = camera_node_of(scene, job.camera);
   const auto playing = choose_animations(scene, job.animation);
   if (carried < 0 || !playing) return cuts;
+  // What carries the camera, and what it looks at.
   std::vector<int> nodes;
-  for (int n = carried; n >= 0; n = scene.nodes[size_t(n)].parent) nodes.push_back(n);
+  const auto add_chain = [&](int node) {
+    for (int n = node; n >= 0 && std::ranges::find(nodes, n) == nodes.end(); n = scene.nodes[size_t(n)].parent)
+      nodes.push_back(n);
+  };
+  add_chain(carried);
+  for (size_t i = 0; scene.paths && i < nodes.size(); ++i) {
+    const ScenePath* const path = scene.paths->of(size_t(nodes[i]));
+    if (!path) continue;
+    for (const double jump_s : path->times.jumps_s()) cuts.push_back(jump_s);
+    if (path->looks == ScenePath::Looks::at_node) add_chain(path->looked_at);
+  }
   for (const int a : playing->animations)
     for (const AnimationChannel& channel : scene.animations[size_t(a)].channels) {
       const bool of_node = channel.path == TargetPath::node_translation || channel.path == TargetPath::node_rotation ||

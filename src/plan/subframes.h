@@ -30,7 +30,7 @@ std::pair<double, double> open_shutter(double picture_s, double shutter_s, std::
 bool gathers(const PictureCamera& camera, const SubframesKnobs& knobs);
 
 // When the camera jumps: keys of interpolation STEP, and two at one time, in what plays, of the camera's field of view
-// or of a node that carries it. Ascending.
+// or of a node that carries it; jumps of a path on which such a node goes, or a node that it looks at. Ascending.
 std::vector<double> camera_cuts(const Scene& scene, const Job& job);
 
 // The frames of a picture at a time and, as the last, the one that takes their mean; empty: the picture is one frame.

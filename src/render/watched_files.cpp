@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/files.h"
+#include "gltf/gltf.h"
 #include "image/cube_faces.h"
 #include "job/job_look.h"
 #include "sky/job_sky.h"
@@ -37,6 +38,10 @@ JobFiles files_of(const Job& job, const Scene& scene, const std::string& shader_
   }
   for (const std::string& file : scene.files)
     if (std::ranges::find(files.look, fs::path(file)) == files.look.end()) add_once(files.scene, file);
+  for (const fs::path& file : files_named_by(job.scene)) {
+    std::error_code failed;
+    if (!fs::exists(file, failed)) add_once(files.scene, file);
+  }
   return files;
 }
 

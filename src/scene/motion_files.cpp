@@ -47,9 +47,14 @@ Expected<TimeMap> read_times(const std::filesystem::path& file) {
   if (!lines) return std::unexpected(lines.error());
   TimeMap map;
   for (const NumberLine& line : *lines) {
-    if (!map.time_s.empty() && !(line.values[0] > map.time_s.back()))
+    const size_t count = map.time_s.size();
+    if (count > 0 && line.values[0] < map.time_s.back())
+      return fail(ErrorKind::input, line_place(file, line.line), "the time {} s comes before {} s; times must ascend",
+                  line.values[0], map.time_s.back());
+    if (count > 1 && line.values[0] == map.time_s[count - 1] && line.values[0] == map.time_s[count - 2])
       return fail(ErrorKind::input, line_place(file, line.line),
-                  "the time {} s does not come after {} s; times must ascend", line.values[0], map.time_s.back());
+                  "the time {} s stands there a third time; two are a jump from one parameter to another",
+                  line.values[0]);
     map.time_s.push_back(line.values[0]);
     map.parameter.push_back(line.values[1]);
   }

@@ -14,7 +14,7 @@ namespace candela {
 
 // x y z a line.
 Expected<std::vector<glm::dvec3>> read_points(const std::filesystem::path& file);
-// Time in seconds and parameter a line, the times ascending.
+// Time in seconds and parameter a line, the times ascending; two lines of one time are a jump.
 Expected<TimeMap> read_times(const std::filesystem::path& file);
 // Three vectors an instance, a line each or all nine numbers in one; the request says what they are.
 Expected<Instances> read_instances(const std::filesystem::path& file, const InstancesRequest& request);

@@ -150,9 +150,23 @@ double TimeMap::at(double t) const {
   if (next == 0) return parameter.front();
   if (next == time_s.size()) return parameter.back();
   const size_t i = next - 1;
-  if (smooth) return monotone_cubic(time_s, parameter, i, t);
+  if (smooth) {  // from jump to jump
+    size_t first = i, last = next;
+    while (first > 0 && time_s[first - 1] < time_s[first]) --first;
+    while (last + 1 < time_s.size() && time_s[last] < time_s[last + 1]) ++last;
+    const size_t count = last + 1 - first;
+    return monotone_cubic(std::span(time_s).subspan(first, count), std::span(parameter).subspan(first, count),
+                          i - first, t);
+  }
   const double s = (t - time_s[i]) / (time_s[i + 1] - time_s[i]);
   return (1 - s) * parameter[i] + s * parameter[i + 1];
+}
+
+std::vector<double> TimeMap::jumps_s() const {
+  std::vector<double> jumps;
+  for (size_t i = 1; i < time_s.size(); ++i)
+    if (time_s[i] == time_s[i - 1] && parameter[i] != parameter[i - 1]) jumps.push_back(time_s[i]);
+  return jumps;
 }
 
 }  // namespace candela

@@ -60,9 +60,10 @@ class ArcLength {
 
 // Pairs of time and parameter: held before the first and after the last, between them linear or monotone cubic.
 struct TimeMap {
-  std::vector<double> time_s, parameter;  // ascending times; at least one
+  std::vector<double> time_s, parameter;  // at least one; times ascend, two pairs of one time are a jump to the second
   bool smooth = false;
   double at(double time_s) const;
+  std::vector<double> jumps_s() const;  // ascending
 };
 
 }  // namespace candela

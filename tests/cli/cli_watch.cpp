@@ -267,6 +267,33 @@ TEST(Watch, BuffersAndTexturesAreOfTheScene) {
   EXPECT_NE(bytes_of(watched.picture()), small);
 }
 
+// What is missing from the begin is drawn without, and drawn when it comes, whole.
+TEST(Watch, ATextureThatIsMissingFromTheBeginIsWaitedFor) {
+  const std::string text = R"({"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_materials_unlit"],
+    "buffers": [{"uri": "square.bin", "byteLength": 74}], "images": [{"uri": "late.png"}],
+    "textures": [{"source": 0}], "bufferViews": [{"buffer": 0, "byteLength": 36},
+      {"buffer": 0, "byteOffset": 36, "byteLength": 32}, {"buffer": 0, "byteOffset": 68, "byteLength": 6}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0]},
+      {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2"},
+      {"bufferView": 2, "componentType": 5123, "count": 3, "type": "SCALAR"}],
+    "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}, "extensions": {"KHR_materials_unlit": {}}}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}],
+    "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}], "scene": 0})";
+  const float values[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, 0, 1, 1, 1, 1, 0, 0, 0};
+  const uint16_t index[] = {0, 1, 2};
+  const std::string triangle = std::string(reinterpret_cast<const char*>(values), sizeof values) +
+                               std::string(reinterpret_cast<const char*>(index), sizeof index);
+  const std::string image = bytes_of(fs::path(CANDELA_SOURCE_DIR) / "golden/spheres/golden.png");
+  Watched watched({.more = {}, .in_place = {{"box.gltf", text}, {"square.bin", triangle}}});
+  const std::string checker = bytes_of(watched.picture());
+  watched.write("late.png", image.substr(0, 500));
+  ASSERT_TRUE(watched.wait_for("the last picture stays"));
+  EXPECT_EQ(bytes_of(watched.picture()), checker);
+  watched.replace("late.png", image);
+  ASSERT_TRUE(watched.wait_for("late.png changed: "));
+  EXPECT_NE(bytes_of(watched.picture()), checker);
+}
+
 TEST(Watch, EndsAsItIsTold) {
   {
     Watched watched;

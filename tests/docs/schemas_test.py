@@ -90,6 +90,20 @@ class Schemas(unittest.TestCase):
         self.fits(self.run_program("reference", "plaza.glb", *SIZE, "--spp", "2", "-o", "truth.exr", "--json"), "reference")
         self.fits(self.run_program("reference", "plaza.glb", *SIZE, "--spp", "1", "-o", "one.exr", "--json"), "reference")
 
+    def test_watch(self):
+        """One picture, and a second one after a look came beside the scene."""
+        self.run_program("make-scene", "unlit-box", "-o", "watched.glb")
+        words = ["watch", "watched.glb", *SIZE, "-o", "watched.png", "--json", "--quiet", "--pass-times", "--stop-after", "2"]
+        with subprocess.Popen([program(), *words], cwd=self.folder, text=True, stdout=subprocess.PIPE) as watch:
+            first = self.fits(watch.stdout.readline(), "watch")
+            (self.folder / "watched.look.json").write_text('{"exposure": {"ev": 1}}')
+            second = self.fits(watch.stdout.readline(), "watch")
+            self.assertEqual(watch.wait(60), 0)
+        self.assertEqual((first["picture"], first["why"], second["picture"]), (1, "opened", 2))
+        self.assertIn("watched.look.json", second["why"])
+        self.assertGreater(second["rmse"], 0)
+        self.assertNotIn("rmse", first)
+
     def test_compare(self):
         for name, more in (("a", []), ("b", ["--exposure", "1"])):
             self.run_program("render", "plaza.glb", *SIZE, *more, "-o", f"{name}.png", "-o", f"{name}.exr", "--layers",

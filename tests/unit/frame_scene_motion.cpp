@@ -113,6 +113,36 @@ TEST_F(SceneMotion, TheCameraGoesThroughTheWorldOfTheFilesAxes) {
     }
 }
 
+// A film's cut: neither shutter nor motion reaches over it.
+TEST_F(SceneMotion, ACameraCutsWhereItsPathJumps) {
+  const std::string times = write("cut.txt", "0 0\n1 1\n1 2\n2 3\n");
+  const std::string long_line = write("long.txt", "0 0 9\n1 0 9\n2 0 9\n3 0 9\n4 0 9\n5 0 9\n");
+  const Job asked = job({"camera=" + long_line + ",ends=plain,times=" + times});
+  const auto scene = load_scene(asked);
+  ASSERT_TRUE(scene) << scene.error().text();
+  EXPECT_EQ(camera_cuts(*scene, asked), std::vector<double>{1});
+  const auto x_at = [&](double t) { return pose_scene(*scene, asked, t)->view.position.x; };
+  EXPECT_NEAR(x_at(1 - 1e-9), 2, 1e-8);
+  EXPECT_DOUBLE_EQ(x_at(1), 3);
+  const auto before = [&](double t) {
+    return pose_before(*scene, asked, t, pose_scene(*scene, asked, t)->pose)->view.position.x;
+  };
+  ASSERT_GT(asked.motion_s, 0);
+  EXPECT_DOUBLE_EQ(before(1), 3) << "the first picture after the cut";
+  EXPECT_DOUBLE_EQ(before(1 + asked.motion_s / 2), 3);
+  EXPECT_DOUBLE_EQ(before(1.5), x_at(1.5 - asked.motion_s));
+  EXPECT_DOUBLE_EQ(before(1 - 1e-9), x_at(1 - 1e-9 - asked.motion_s));
+  const auto [from, to] = open_shutter(1, 0.5, camera_cuts(*scene, asked));
+  EXPECT_EQ(from, 1);
+  EXPECT_EQ(to, 1.25);
+  // So does what it looks at.
+  const Job looking =
+      job({"Hand=" + long_line + ",ends=plain,times=" + times, "camera=" + line_ + ",look_at_node=Hand"});
+  const auto looked_at = load_scene(looking);
+  ASSERT_TRUE(looked_at) << looked_at.error().text();
+  EXPECT_EQ(camera_cuts(*looked_at, looking), std::vector<double>{1});
+}
+
 TEST_F(SceneMotion, ACameraThatTheFileLacksLooksAtTheMiddle) {
   const Job asked = job({"camera=" + write("at.txt", "0 0 7\n")}, false);
   const auto scene = load_scene(asked);

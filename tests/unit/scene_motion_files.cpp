@@ -60,9 +60,12 @@ TEST_F(MotionFiles, TimesOutOfOrderAreRefusedWithTheirLine) {
   EXPECT_EQ(times->time_s, (std::vector<double>{0, 1.5, 4}));
   EXPECT_EQ(times->parameter, (std::vector<double>{0, 2, 2}));
   EXPECT_EQ(error_of(read_times(file("0 0\n\n2 1\n1 2\n"))),
-            "file.txt:4: the time 1 s does not come after 2 s; times must ascend");
-  EXPECT_EQ(error_of(read_times(file("0 0\n0 1\n"))),
-            "file.txt:2: the time 0 s does not come after 0 s; times must ascend");
+            "file.txt:4: the time 1 s comes before 2 s; times must ascend");
+  const auto jump = read_times(file("0 0\n1 1\n1 3\n2 4\n"));
+  ASSERT_TRUE(jump) << jump.error().text();
+  EXPECT_EQ(jump->jumps_s(), std::vector<double>{1});
+  EXPECT_EQ(error_of(read_times(file("0 0\n1 1\n1 2\n1 3\n"))),
+            "file.txt:4: the time 1 s stands there a third time; two are a jump from one parameter to another");
   EXPECT_NE(error_of(read_times(file("0\n"))).find("file.txt:1: the line holds 1 number;"), std::string::npos);
 }
 

@@ -185,7 +185,23 @@ TEST(TimeMaps, AreHeldOutsideAndMonotoneBetween) {
   map.smooth = false;
   EXPECT_DOUBLE_EQ(map.at(1.25), 1);
   const TimeMap one{{3}, {2}};
+  EXPECT_TRUE(one.jumps_s().empty());
   for (const double t : {-1.0, 3.0, 9.0}) EXPECT_EQ(one.at(t), 2);
+}
+
+// Each side of a jump is as if the other were not.
+TEST(TimeMaps, JumpWhereATimeStandsTwice) {
+  TimeMap map{{0, 1, 3, 3, 4, 6, 6, 6.5}, {0, 2, 3, 10, 8, 7, 7, 9}};
+  for (const bool smooth : {false, true}) {
+    map.smooth = smooth;
+    EXPECT_NEAR(map.at(std::nextafter(3, 0)), 3, 1e-12);
+    EXPECT_EQ(map.at(3), 10);
+    EXPECT_NEAR(map.at(std::nextafter(3, 9)), 10, 1e-12);
+    const TimeMap before{{0, 1, 3}, {0, 2, 3}, smooth}, after{{3, 4, 6}, {10, 8, 7}, smooth};
+    for (double t = 0; t < 3; t += 0.125) EXPECT_EQ(map.at(t), before.at(t)) << t;
+    for (double t = 3; t < 6; t += 0.125) EXPECT_EQ(map.at(t), after.at(t)) << t;
+  }
+  EXPECT_EQ(map.jumps_s(), std::vector<double>{3}) << "a time that stands twice with one parameter is no jump";
 }
 
 }  // namespace candela::test::scene_spline

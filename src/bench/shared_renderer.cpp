@@ -1,9 +1,11 @@
 #include "bench/shared_renderer.h"
 
 #include "base/files.h"
+#include "base/json.h"
 #include "glsl/built_in_spirv.h"
 #include "gpu/device_select.h"
 #include "job/job_look.h"
+#include "job/picture_window.h"
 #include "plan/posed_scene.h"
 #include "session/device_samples.h"
 #include "session/draw_probes.h"
@@ -40,21 +42,26 @@ Expected<std::unique_ptr<SharedRenderer>> SharedRenderer::open(const RunSettings
 SharedRenderer::~SharedRenderer() = default;
 
 Expected<void> SharedRenderer::load(const std::string& scene_file, const std::string& sky_file) {
-  gpu_scene_.reset();
   sky_ = {};
   Job job;
   job.scene = scene_file;
+  motion_.clear();
+  if (auto opened = open_scene(job); !opened) return opened;
+  look_file_.clear();
+  return read_sky(sky_file, {});
+}
+
+Expected<void> SharedRenderer::open_scene(const Job& job) {
+  gpu_scene_.reset();
   auto scene = load_scene(job);
   if (!scene) return std::unexpected(scene.error());
   scene_ = std::move(*scene);
   warnings_ = scene_.warnings;
-  look_file_.clear();
-  if (auto read = read_sky(sky_file, {}); !read) return read;
   auto layout = layout_geometry(scene_);
   if (!layout) return std::unexpected(layout.error());
   layout_ = std::move(*layout);
   if (2 * scene_.images.size() + 1 + 2 * gpu_sky_textures + GpuProbes::textures > textures)
-    return fail(ErrorKind::input, scene_file, "has {} images, more than the {} that fit here", scene_.images.size(),
+    return fail(ErrorKind::input, job.scene, "has {} images, more than the {} that fit here", scene_.images.size(),
                 textures / 2);
   try {
     if (gpu::has_float64(device_->physical())) {
@@ -68,13 +75,30 @@ Expected<void> SharedRenderer::load(const std::string& scene_file, const std::st
   return {};
 }
 
+Expected<void> SharedRenderer::follow_motion(const Job& job) {
+  const auto look = job.look.empty() ? Expected<Look>{Look{}} : read_look_motion(job.look);
+  if (!look) return std::unexpected(look.error());
+  std::string motion;
+  for (const auto* paths : {&job.paths, &look->paths})
+    for (const PathRequest& path : *paths) motion += path_json(path).dump() + "\n";
+  for (const auto* instances : {&job.instances, &look->instances})
+    for (const InstancesRequest& i : *instances) motion += instances_json(i).dump() + "\n";
+  if (!look->paths.empty() || !look->instances.empty()) motion += job.look;  // whose folder names are of
+  if (motion == motion_) return {};
+  Job moved;
+  moved.scene = scene_.path, moved.camera = job.camera;
+  moved.look = job.look, moved.paths = job.paths, moved.instances = job.instances;
+  motion_ = "?";  // after an error none is there
+  if (auto opened = open_scene(moved); !opened) return opened;
+  motion_ = std::move(motion);
+  return {};
+}
+
 Expected<void> SharedRenderer::read_sky(const std::string& sky_file, const std::string& look_file) {
   Job job;
   job.scene = scene_.path, job.sky = sky_file, job.look = look_file;
   const auto look = look_of(job);
   if (!look) return std::unexpected(look.error());
-  if (!look->paths.empty() || !look->instances.empty())
-    return fail(ErrorKind::usage, look_file, "its paths and instances make another scene, which is not opened here");
   auto sky = JobSky::read(job, *look, scene_, warnings_);
   if (!sky) return std::unexpected(sky.error());
   sky_ = std::move(*sky), sky_file_ = sky_file, look_file_ = look_file;
@@ -94,7 +118,8 @@ Expected<FrameResult> SharedRenderer::one_frame(const Job& job, const PlanContex
   if (const auto prepared = runner_->prepare(planned->graph()); !prepared) return std::unexpected(prepared.error());
   sums.import(planned->graph().plan, uploaded.imports, uploaded.keep);
   FrameResult frame;
-  frame.width_px = job.width_px, frame.height_px = job.height_px;
+  frame.window = picture_window(job);
+  frame.width_px = frame.window.part.width, frame.height_px = frame.window.part.height;
   frame.time_s = time_s;
   frame.outputs = planned->made->outputs;
   frame.readbacks = runner_->run(planned->graph(), uploaded.imports, {}).readbacks;
@@ -110,6 +135,8 @@ Expected<FrameResult> SharedRenderer::one_frame(const Job& job, const PlanContex
 }
 
 Expected<FrameResult> SharedRenderer::frame(const Job& job, const WantedOutputs& wanted, double time_s) {
+  if (auto fine = check_window(job); !fine) return std::unexpected(fine.error());
+  if (auto moved = follow_motion(job); !moved) return std::unexpected(moved.error());
   if (job.look != look_file_)  // which may have a sky
     if (auto read = read_sky(sky_file_, job.look); !read) return std::unexpected(read.error());
   try {

@@ -16,6 +16,7 @@ class SharedRenderer {
   static Expected<std::unique_ptr<SharedRenderer>> open(const RunSettings& settings);
   ~SharedRenderer();
 
+  // Paths and instances are those of the job of each frame; where they change the scene is opened again.
   Expected<void> load(const std::string& scene_file, const std::string& sky_file = {});
   // The linear picture of the loaded scene. GpuError becomes an Error here.
   Expected<Beauty> render(const Job& job, double time_s);
@@ -38,9 +39,13 @@ class SharedRenderer {
   DevicePose on_device_;
   Expected<FrameResult> one_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
                                   double time_s, SubframeSums& sums);
+  Expected<void> open_scene(const Job& job);
+  // What of the job and its look belongs to the scene: paths and instances (docs/paths.md).
+  Expected<void> follow_motion(const Job& job);
   Expected<void> read_sky(const std::string& sky_file, const std::string& look_file);
   JobSky sky_;
   std::string sky_file_, look_file_;  // that sky_ is of
+  std::string motion_;                // paths and instances that scene_ has, as text
   std::vector<std::string> warnings_;
   std::unique_ptr<GpuScene> gpu_scene_;
 };

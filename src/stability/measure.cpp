@@ -6,6 +6,7 @@
 
 #include "base/check.h"
 #include "job/job_look.h"
+#include "job/picture_window.h"
 #include "reference/display.h"
 #include "reference/film.h"
 #include "reference/integrator.h"
@@ -47,17 +48,19 @@ Expected<TruePicture> traced_picture(const Job& job, double time_s, double reach
   reference::TraceSettings settings;
   if (blocked_samples == 0) settings.visibility = false, settings.ambient = reference::Ambient::occlusion;
   const int samples = std::max(blocked_samples, 1);
+  const PictureWindow window = picture_window(job);
+  const PixelRect& part = window.part;
   const auto integrator_of = [&](double lifted) {
     settings.lifted = lifted;
-    return reference::Integrator(*(*frame)->world, settings, job.width_px, job.height_px);
+    return reference::Integrator(*(*frame)->world, settings, window.width_px, window.height_px);
   };
   const reference::Integrator integrator = integrator_of(0), above = integrator_of(position_error),
                               below = integrator_of(-position_error);
-  TruePicture truth{job.width_px, job.height_px, {}, {}, {}};
-  const size_t count = size_t(job.width_px) * size_t(job.height_px);
+  TruePicture truth{part.width, part.height, {}, {}, {}};
+  const size_t across = size_t(part.width), count = across * size_t(part.height);
   truth.centre.resize(count), truth.low.resize(count), truth.high.resize(count);
   tbb::parallel_for(size_t(0), count, [&](size_t i) {
-    const glm::dvec2 centre(double(i % size_t(job.width_px)) + 0.5, double(i / size_t(job.width_px)) + 0.5);
+    const glm::dvec2 centre(part.x + double(i % across) + 0.5, part.y + double(i / across) + 0.5);
     const auto value_at = [samples](const reference::Integrator& of, glm::dvec2 place) {
       glm::dvec4 sum(0);
       for (int n = 0; n < samples; ++n) {

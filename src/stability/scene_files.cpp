@@ -25,6 +25,8 @@ Expected<void> write_scene_files(const StabilityScene& scene, const fs::path& fo
   if (!scene.sky_look.empty())
     if (auto done = write_file_atomically((folder / "look.json"), std::as_bytes(std::span(scene.sky_look))); !done)
       return done;
+  for (const auto& [name, text] : scene.texts)
+    if (auto done = write_file_atomically((folder / name), std::as_bytes(std::span(text))); !done) return done;
   return {};
 }
 

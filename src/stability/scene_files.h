@@ -6,7 +6,8 @@
 
 namespace candela {
 
-// A scene's files where the run looks for them: scene.glb, plain.glb, sky.exr, plain-sky.exr, second.exr, look.json.
+// A scene's files where the run looks for them: scene.glb, plain.glb, sky.exr, plain-sky.exr, second.exr, look.json,
+// and its texts.
 // Makes the folder. Errors (output): a file could not be written.
 Expected<void> write_scene_files(const StabilityScene& scene, const std::filesystem::path& folder);
 

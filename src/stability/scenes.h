@@ -22,12 +22,13 @@ struct StabilityInput {
 // An extreme scene and what is true of its picture. Two truths may hold at once: the reference ray tracer, in double
 // and without shadows as the techniques are, and a plain scene that must look the same.
 struct StabilityScene {
-  std::vector<std::byte> file;                           // .glb
-  std::vector<std::byte> plain;                          // .glb; empty: none
-  std::optional<FloatImage> sky, plain_sky, second_sky;  // second_sky: second.exr, for sky_look to name
-  std::string sky_look;                                  // of the scene, not of the plain one; empty: none
-  Job job;                                               // without scene and sky
-  std::optional<Job> plain_job;                          // where it is not `job`
+  std::vector<std::byte> file;                             // .glb
+  std::vector<std::byte> plain;                            // .glb; empty: none
+  std::optional<FloatImage> sky, plain_sky, second_sky;    // second_sky: second.exr, for sky_look to name
+  std::string sky_look;                                    // of the scene, not of the plain one; empty: none
+  std::vector<std::pair<std::string, std::string>> texts;  // files that paths of the job name, and what is in them
+  Job job;                                                 // without scene and sky
+  std::optional<Job> plain_job;                            // where it is not `job`
   double time_s = 0, plain_time_s = 0;
   std::string effects = "none";  // of the scene and of the plain one; the reference knows none
   bool reference = true;

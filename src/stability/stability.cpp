@@ -300,6 +300,9 @@ Expected<void> StabilityRun::check_scene(const StabilityRecipe& recipe) {
   Job job = scene.job;
   job.scene = path("scene.glb");
   if (scene.sky) job.sky = path("sky.exr");  // else as the scene's job says: a word, or nothing
+  for (PathRequest& p : job.paths)
+    for (std::string* const file : {&p.points, &p.times})
+      if (!file->empty()) *file = path(file->c_str());
   job.settings.insert(job.settings.end(), options_.settings.begin(), options_.settings.end());
   if (!scene.look.empty()) return check_fog(recipe, scene, job);
   const auto plain = plain_truths(scene);

@@ -36,6 +36,8 @@ void add_mirrors(Recipes& all);
 void add_shutter(Recipes& all);
 void add_metaballs(Recipes& all);
 void add_relief(Recipes& all);
+void add_paths(Recipes& all);
+void add_regions(Recipes& all);
 
 using std::numbers::pi;
 

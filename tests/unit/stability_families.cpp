@@ -27,11 +27,11 @@ TEST(Stability, HasScenesOfUniqueNames) {
     EXPECT_TRUE(names.insert(recipe.family + "/" + recipe.name).second) << recipe.name;
   }
   EXPECT_GE(names.size(), 400u);
-  EXPECT_EQ(families,
-            (std::set<std::string>{"depth",        "worlds",   "lights",    "materials", "lobes",      "glass",
-                                   "transparency", "textures", "geometry",  "animation", "tone",       "images",
-                                   "fog",          "skies",    "sides",     "occlusion", "far-lights", "deep-shadows",
-                                   "bodies",       "mirrors",  "metaballs", "relief",    "shutter"}));
+  EXPECT_EQ(families, (std::set<std::string>{"depth",     "worlds",       "lights",       "materials", "lobes",
+                                             "glass",     "transparency", "textures",     "geometry",  "animation",
+                                             "tone",      "images",       "fog",          "skies",     "sides",
+                                             "occlusion", "far-lights",   "deep-shadows", "bodies",    "mirrors",
+                                             "metaballs", "relief",       "shutter",      "paths",     "regions"}));
 }
 
 TEST(Stability, ScenesFollowFromTheSeed) {

@@ -146,6 +146,8 @@ std::vector<StabilityRecipe> stability_recipes(const std::vector<std::pair<int, 
   stability::add_shutter(all);
   stability::add_metaballs(all);
   stability::add_relief(all);
+  stability::add_paths(all);
+  stability::add_regions(all);
   return all;
 }
 

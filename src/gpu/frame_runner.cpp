@@ -209,7 +209,7 @@ void FrameRunner::Hidden::fill_buffers(const FrameContext& frame, VkCommandBuffe
     const bool zeroed = std::get<BufferDesc>(resource.desc).zeroed;
     if (!zeroed && !hashing) continue;
     VkDeviceSize first = 0, bytes = VK_WHOLE_SIZE;
-    if (physical->has_pages(int(i))) {
+    if (frame.physical.has_pages(int(i))) {
       const uint64_t row = std::get<BufferDesc>(resource.desc).row_bytes;
       first = uint64_t(resource.resident->y) * row, bytes = uint64_t(resource.resident->height) * row;
     }

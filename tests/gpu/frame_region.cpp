@@ -93,7 +93,7 @@ TEST_F(FrameRegion, PagesAboutTheRegionHoldThePixelsOfTheWhole) {
     const auto session = open(job);
     ASSERT_TRUE(session);
     const FrameResult result = render(*session, 0);
-    const FramePlan& plan = result.plan;
+    const FramePlan& plan = *result.plan;
     EXPECT_LT(transient_bytes(plan), transient_bytes_whole(plan));
     if (session->device().info().paged_bytes == 0) continue;
     // Of the largest image or buffer alone that much is saved; lavapipe has no pages for what is drawn into.

@@ -320,10 +320,10 @@ TEST(Plan, MemoryOfARegionIsInProportionToIt) {
       // What the frame needs whatever it shows: shadow maps, lists, and the border about a region.
       const auto bytes = [&](int side) {
         job.region = PixelRect{2048, 2048, side, side};
-        return double(transient_bytes(plan(scene, job).graph.plan));
+        return double(transient_bytes(plan(scene, job).graph().plan));
       };
       const double one = bytes(512), two = bytes(1024), four = bytes(2048);
-      const double whole_frame = double(transient_bytes_whole(plan(scene, job).graph.plan));
+      const double whole_frame = double(transient_bytes_whole(plan(scene, job).graph().plan));
       // Keys of a visibility buffer have memory for whole rows.
       if (std::string_view(technique) == "ray") {
         EXPECT_NEAR((four - two) / (two - one), 2, 1);
@@ -333,7 +333,7 @@ TEST(Plan, MemoryOfARegionIsInProportionToIt) {
         EXPECT_LT(four, 0.06 * whole_frame);
       }
       job.region.reset();
-      const FramePlan whole = plan(scene, job).graph.plan;
+      const FramePlan whole = plan(scene, job).graph().plan;
       EXPECT_TRUE(std::ranges::none_of(whole.resources, [](const PlanResource& r) { return bool(r.resident); }));
       EXPECT_EQ(transient_bytes_whole(whole), transient_bytes(whole));
     }

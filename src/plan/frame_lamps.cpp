@@ -115,6 +115,12 @@ Room room_of(std::span<const Candidate> lamps) {
   return room;
 }
 
+// In powers of two as far as the budget reaches: maps that come and go do not change the plan.
+uint32_t layers_within(const Room& room, uint64_t bytes) {
+  const uint64_t most = bytes * room.layers / room.bytes();
+  return uint32_t(std::clamp<uint64_t>(std::bit_ceil(room.layers), room.layers, std::max<uint64_t>(most, room.layers)));
+}
+
 // Halves maps, the least important light's first, round after round, until all fit; then leaves out lights.
 void fit_budget(ScratchVector<Candidate>& lamps, uint64_t bytes) {
   bool shrank = true;
@@ -174,7 +180,8 @@ ScratchVector<uint32_t> add_over(std::span<const ViewCasters::OfView> casters, s
   }
   image.over = uint32_t(split.size());
   // In powers of two: what moves does not change the plan.
-  if (image.over > 0) image.texel_layers = image.layers + std::bit_ceil(places.back().layer + 1);
+  image.texel_layers = image.layers;
+  if (image.in_parts) image.texel_layers += std::bit_ceil(places.empty() ? 1 : places.back().layer + 1);
   return split;
 }
 
@@ -250,7 +257,7 @@ Expected<void> plan_lamps(const Scene& scene, const SurveyedFrame& frame, const 
   const FrameRequest& request = frame.request;
   out.clear();
   out.shadows.clear(), out.moving.clear(), out.pool.reset();
-  out.maps = out.most_views = 0;
+  out.maps = 0;
   out.absence = why_none(facts, request, knobs, options.see_through);
   if (!out.absence.empty()) return {};
   out.traced = knobs.traced();
@@ -367,14 +374,15 @@ Expected<void> plan_lamps(const Scene& scene, const SurveyedFrame& frame, const 
                                image.apart ? &casters : nullptr);
       !placed)
     return placed;
-  out.maps = out.most_views = uint32_t(faces.size());
+  out.maps = uint32_t(faces.size());
   if (!image.apart) return {};
+  image.layers = layers_within(room, uint64_t(knobs.budget_mb) << 20);
+  image.in_parts = !out.moving.empty();
   image.commands = out.views.first_command.back();
   ScratchVector<uint8_t> lamp_moves(&scratch);
   for (const Face& f : faces)
     lamp_moves.push_back(tells_moving && options.moving[data.lights[lamps[f.lamp].light].node]);
   const ScratchVector<uint32_t> split = add_over(casters.of_view, lamp_moves, image, &scratch);
-  out.most_views = uint32_t(image.views.size());
   image.drawn.resize(faces.size());
   std::iota(image.drawn.begin(), image.drawn.end(), 0u);
   if (keeps) {

@@ -14,7 +14,6 @@ namespace candela {
 struct FrameLamps : ShadowMaps {
   std::vector<shared::LampShadow> shadows;
   uint32_t maps = 0;
-  uint32_t most_views = 0;       // that its buffers hold: of the image's views, those that are drawn are fewer
   std::vector<uint32_t> moving;  // a bit for each node that moves; empty: nothing that casts shadows does
   Reused<LampPool> pool;         // the image outlives the frame, and holds these maps then
   PlacedLamps placed;            // for placing them alone

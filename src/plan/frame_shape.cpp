@@ -8,24 +8,25 @@
 namespace candela {
 namespace {
 
-void take_maps(const ShadowMaps& maps, bool by_regions, FrameShape::Maps& shape) {
-  shape.sizes_and_layers.clear(), shape.regions.clear();
+void take_maps(const ShadowMaps& maps, bool by_regions, bool in_compute, FrameShape::Maps& shape) {
+  shape.sizes_and_layers.clear(), shape.regions.clear(), shape.rounds.clear();
   shape.commands = 0;
   if (!maps.image) {
     shape.name.clear();
-    shape.size_px = shape.layers = shape.over = shape.texel_layers = shape.most_px = shape.drawn = 0;
-    shape.apart = shape.outlives = false;
+    shape.size_px = shape.layers = shape.texel_layers = shape.most_px = shape.room = 0;
+    shape.apart = shape.outlives = shape.in_parts = false;
     return;
   }
   const ViewImage& image = *maps.image;
   shape.name = image.name;
-  shape.size_px = image.size_px, shape.layers = image.layers, shape.over = image.over;
-  shape.texel_layers = image.texel_layers, shape.most_px = image.most_px, shape.drawn = uint32_t(image.drawn.size());
-  shape.apart = image.apart, shape.outlives = image.outlives;
+  shape.size_px = image.size_px, shape.layers = image.layers;
+  shape.texel_layers = image.texel_layers, shape.most_px = image.most_px, shape.room = image.room();
+  shape.apart = image.apart, shape.outlives = image.outlives, shape.in_parts = image.in_parts;
   const std::vector<uint32_t>& first = maps.views.first_command;
   shape.commands = std::bit_ceil(std::max<uint64_t>({first.empty() ? 0 : first.back(), image.commands, 1}));
+  if (!in_compute) view_rounds(image, shape.rounds);
   for (const shared::View& view : image.views)
-    shape.sizes_and_layers.emplace_back(view.size_px.x, image.apart ? 0 : view.layer);
+    if (!image.apart) shape.sizes_and_layers.emplace_back(view.size_px.x, view.layer);
   for (size_t r = 0; by_regions && r + 1 < first.size(); ++r) shape.regions.push_back(first[r] < first[r + 1]);
 }
 
@@ -99,9 +100,12 @@ void take_shape(const AskedFrame& asked, const PlannedFrame& f, const PlanContex
   shape.knobs = asked.knobs;
   take_request(f.request, shape.request);
   shape.facts = f.facts;
+  for (uint32_t SceneFacts::*lights : {&SceneFacts::point_lights, &SceneFacts::spot_lights,
+                                       &SceneFacts::directional_lights, &SceneFacts::sized_lights})
+    shape.facts.*lights = std::min(shape.facts.*lights, 1u);
   shape.batches = f.draws.batches;
-  take_maps(f.suns, f.shadow_colors, shape.suns);
-  take_maps(f.lamps, f.shadow_colors, shape.lamps);
+  take_maps(f.suns, f.shadow_colors, u.batch_count > 0, shape.suns);
+  take_maps(f.lamps, f.shadow_colors, u.batch_count > 0, shape.lamps);
   shape.parts = parts;
   shape.pool.reset();
   if (f.lamps.pool) shape.pool = {f.lamps.pool->layer_px, f.lamps.pool->layers, !f.lamps.pool->fresh};
@@ -115,7 +119,7 @@ void take_shape(const AskedFrame& asked, const PlannedFrame& f, const PlanContex
   shape.suns_kept = kept_of(f.sun_key, context), shape.lamps_kept = kept_of(f.lamp_key, context);
   s.rays = f.traced;
   s.tree_ranges = f.rays && shows_trees(f.request) ? f.rays->ranges : nullptr;
-  s.item_count = u.item_count, s.light_count = u.constants.light_count;
+  s.item_count = u.item_count, s.light_room = light_room(u.constants.light_count);
   s.item_group_count = uint32_t(u.item_groups.size()), s.item_span_count = uint32_t(u.item_spans.size());
   s.batch_span_count = uint32_t(u.batch_spans.size()), s.transform_count = u.transform_count;
   s.light_group_count = uint32_t(u.light_groups.size());

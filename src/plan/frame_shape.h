@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "passes/geometry/depth_views.h"
 #include "plan/trace_frame.h"
 #include "plan/upload_table.h"
 #include "techniques/technique.h"
@@ -19,10 +20,11 @@ struct FrameShape {
   // A view table as far as passes declare by it.
   struct Maps {
     std::string name;
-    uint32_t size_px = 0, layers = 0, over = 0, texel_layers = 0, most_px = 0, drawn = 0;
-    bool apart = false, outlives = false;
+    uint32_t size_px = 0, layers = 0, texel_layers = 0, most_px = 0, room = 0;
+    bool apart = false, outlives = false, in_parts = false;
     uint64_t commands = 0;                     // of the views, and room for them
-    std::vector<glm::uvec2> sizes_and_layers;  // of each view
+    std::vector<ViewRounds> rounds;            // of views that the hardware draws apart
+    std::vector<glm::uvec2> sizes_and_layers;  // of each view that is not drawn apart
     std::vector<bool> regions;                 // of each view and run whether it draws anything; where that counts
     bool operator==(const Maps&) const = default;
   };
@@ -37,8 +39,8 @@ struct FrameShape {
   const Technique* technique = nullptr;
   KnobValues knobs;
   FrameRequest request;  // its numbers that recording reads are those of any frame
-  SceneFacts facts;
-  SceneInputs scene;  // without handles, features and pointers
+  SceneFacts facts;      // of lights, whether there are any
+  SceneInputs scene;     // without handles, features and pointers
   std::vector<DrawBatch> batches;
   Maps suns, lamps;
   Kept suns_kept = Kept::no, lamps_kept = Kept::no;

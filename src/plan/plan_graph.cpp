@@ -105,6 +105,7 @@ void take_values(const PlannedFrame& f, PlannedGraph& made) {
   if (f.facts.blend_items + f.facts.refracting_items > 0)
     std::tie(v.blended_near_m, v.blended_far_m) = blended_depths(f.data, f.draws, f.view);
   if (request.draws_volumetric()) v.volumetric_reach_m = volumetric_reach_m(*look.volumetric, f.data);
+  v.light_count = f.upload.constants.light_count;
   v.metaball_blocks = uint32_t(f.upload.metaball_blocks.size());
   if (look.bloom) v.bloom = *look.bloom;
   if (look.exposure.automatic) v.auto_exposure = *look.exposure.automatic;

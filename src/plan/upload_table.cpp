@@ -23,7 +23,8 @@ void upload_table(const PlannedFrame& frame, const GeometryLayout& layout, std::
     if (!values.empty()) add(name, input, values, UploadRow::no_address, std::bit_ceil(std::max(values.size(), room)));
   };
   const auto add_lights = [&] {
-    add("frame.lights", u.light_groups.empty() ? &Inputs::lights : &Inputs::posed_lights, u.lights);
+    add("frame.lights", u.light_groups.empty() ? &Inputs::lights : &Inputs::posed_lights, u.lights,
+        UploadRow::no_address, light_room(uint32_t(u.lights.size())));
     if (!u.light_groups.empty()) {
       add("frame.light_groups", &Inputs::light_groups, u.light_groups);
       rows.push_back({"scene.light_instances",
@@ -81,9 +82,10 @@ void upload_table(const PlannedFrame& frame, const GeometryLayout& layout, std::
     add("frame.view_regions", &Inputs::view_regions, frame.suns.views.first_command);
     add("frame.suns", &Inputs::suns, frame.suns.shadows);
     // Views of lamps come and go as the camera moves: their buffers have sizes in powers of two.
-    add_rounded("frame.local_views", &Inputs::lamp_views, frame.lamps.views.table, frame.lamps.most_views);
+    const uint32_t views = frame.lamps.image ? frame.lamps.image->room() : 0;
+    add_rounded("frame.local_views", &Inputs::lamp_views, frame.lamps.views.table, views);
     add_rounded("frame.local_view_regions", &Inputs::lamp_view_regions, frame.lamps.views.first_command,
-                frame.lamps.most_views * frame.draws.batches.size() + 1);
+                views * frame.draws.batches.size() + 1);
     add("frame.moving", &Inputs::moving, frame.lamps.moving);
     add_rounded("frame.local_lights", &Inputs::lamps, frame.lamps.shadows);
     add("frame.deform_jobs", &Inputs::deform_jobs, u.deform_jobs);

@@ -60,8 +60,7 @@ LightMaps light_maps(Frame& frame, const SceneInputs& scene, const Surfaces& sur
                           in_compute ? "shadow maps are drawn in compute (rasterize_views)"
                                      : "the hardware draws shadow maps (depth_views)");
   const bool floats = in_compute && !as_depth;
-  views.count = uint32_t(image->apart ? image->drawn.size() : image->views.size());
-  views.room = uint32_t(image->views.size()), views.commands = image->commands;
+  views.image = image, views.commands = image->commands;
   const Cull::Out culled = frame.add(Cull{}, {scene, views}, instance);
   const Draws draws = frame.add(CullCompact{}, {scene, culled.masks, culled.survivors, views}, instance).draws;
   if (in_compute)
@@ -90,11 +89,11 @@ void shadow_maps(Frame& frame, const SceneInputs& scene, const Surfaces& surface
     return light_maps(frame, scene, surfaces, image, key, views, as_depth, absence, instance);
   };
   const LightMaps suns =
-      maps(scene.sun_image, scene.sun_key, {scene.views, scene.view_regions, 0, 0, scene.view_first_command, 0, 0, {}},
+      maps(scene.sun_image, scene.sun_key, {scene.views, scene.view_regions, 0, 0, {}, scene.view_first_command, 0, {}},
            true, scene.sun_absence, "sun");
   const LightMaps lamps =
       maps(scene.lamp_image, scene.lamp_key,
-           {scene.lamp_views, scene.lamp_view_regions, 0, 0, scene.lamp_first_command, 0, 0, scene.moving},
+           {scene.lamp_views, scene.lamp_view_regions, 0, 0, {}, scene.lamp_first_command, 0, scene.moving},
            draws_shadow_colors(frame.facts, frame.request, frame.knobs), scene.lamp_absence, "local");
   lighting.sun_maps = suns.depth, lighting.lamp_maps = lamps.depth;
   // Rays tell themselves what is left of a light.

@@ -195,9 +195,9 @@ TEST_F(PoseLightsPass, RoundsToTheHostsFloats) {
     s.light_groups = import(builder, groups, "groups");
     s.light_instances = import(builder, instances, "instances");
     s.posed_lights = import(builder, posed, "posed");
-    s.light_count = 802, s.light_group_count = uint32_t(given.light_groups.size());
+    s.light_room = 802, s.light_group_count = uint32_t(given.light_groups.size());
     FrameValues values;
-    values.time_s = time_s;
+    values.time_s = time_s, values.light_count = 802;
     s.values = &values;
     const BufferHandle lights = add(builder, PoseLights{}, {s}).lights;
     const size_t bytes = 802 * sizeof(shared::Light);

@@ -36,7 +36,7 @@ Cull::Out Cull::declare(GraphBuilder& builder, const In& in) const {
       pipeline.constants.push_back({1, "TELLS_MOVING", 1});
     }
   }
-  const uint64_t groups = uint64_t(in.scene.cull_group_count) * std::max(in.views.count, in.views.room);
+  const uint64_t groups = uint64_t(in.scene.cull_group_count) * in.views.room();
   Out out;
   out.masks = builder.create(BufferDesc{"cull.masks", groups * shared::cull_mask_words * sizeof(uint32_t)});
   out.masks = builder.write(out.masks, Access::compute_write);
@@ -47,7 +47,7 @@ Cull::Out Cull::declare(GraphBuilder& builder, const In& in) const {
 }
 
 void Cull::record(CommandList& commands, const In& in, const Out& out) const {
-  if (in.views.count == 0) return;
+  if (in.views.drawn() == 0) return;
   commands.bind(out.pipeline);
   shared::CullPush push{};
   push.groups = commands.address(in.scene.cull_groups);
@@ -60,10 +60,10 @@ void Cull::record(CommandList& commands, const In& in, const Out& out) const {
   }
   push.group_count = in.scene.cull_group_count;
   push.run_count = uint32_t(in.scene.draw_batches->size());
-  push.view_count = in.views.count;
+  push.view_count = in.views.drawn();
   push.culling = uint32_t(knobs.enabled);
   commands.push(push);
-  const glm::uvec2 threads = shared::cull_threads(in.scene.cull_group_count * in.views.count);
+  const glm::uvec2 threads = shared::cull_threads(in.scene.cull_group_count * in.views.drawn());
   commands.dispatch(threads.x, threads.y);
 }
 

@@ -29,15 +29,15 @@ CullCompact::Out CullCompact::declare(GraphBuilder& builder, const In& in) const
   out.draws.first_command = in.views.first_command;
   out.draws.commands = builder.create(BufferDesc{"cull.commands", room * sizeof(shared::DrawCommand)});
   out.draws.commands = builder.write(out.draws.commands, Access::compute_write);
-  out.draws.counts = builder.create(BufferDesc{
-      "cull.counts", in.scene.draw_batches->size() * std::max(in.views.count, in.views.room) * sizeof(uint32_t)});
+  out.draws.counts =
+      builder.create(BufferDesc{"cull.counts", in.scene.draw_batches->size() * in.views.room() * sizeof(uint32_t)});
   out.draws.counts = builder.write(out.draws.counts, Access::compute_write);
   out.pipeline = builder.pipeline(pipeline);
   return out;
 }
 
 void CullCompact::record(CommandList& commands, const In& in, const Out& out) const {
-  if (in.views.count == 0) return;
+  if (in.views.drawn() == 0) return;
   commands.bind(out.pipeline);
   shared::CullPush push{};
   push.groups = commands.address(in.scene.cull_groups);
@@ -48,9 +48,9 @@ void CullCompact::record(CommandList& commands, const In& in, const Out& out) co
   if (!in.views.is_camera()) push.regions = commands.address(in.views.regions);
   push.group_count = in.scene.cull_group_count;
   push.run_count = uint32_t(in.scene.draw_batches->size());
-  push.view_count = in.views.count;
+  push.view_count = in.views.drawn();
   commands.push(push);
-  const glm::uvec2 threads = shared::cull_threads(in.scene.cull_group_count * in.views.count);
+  const glm::uvec2 threads = shared::cull_threads(in.scene.cull_group_count * in.views.drawn());
   commands.dispatch(threads.x, threads.y);
 }
 

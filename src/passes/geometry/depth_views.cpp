@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <functional>
 #include <map>
+#include <span>
 
 #include "shared/draw.h"
 
@@ -12,28 +14,38 @@ namespace {
 // Of the layers that views of a size are drawn into before they are copied, in each round.
 constexpr uint32_t round_texels = 1 << 20, most_round_layers = 256;
 
+uint32_t layers_of_round(uint32_t size_px) {
+  return std::clamp(round_texels / (size_px * size_px), 1u, most_round_layers);
+}
+
+// Of those that are drawn over others, or of the others; the largest first.
+std::span<const shared::View> views_of(const ViewImage& image, bool over) {
+  const std::span<const shared::View> all(image.views);
+  return over ? all.subspan(image.first_over()) : all.first(image.first_over());
+}
+std::span<const shared::View> views_of(const ViewImage& image, bool over, uint32_t size_px) {
+  const auto found = std::ranges::equal_range(views_of(image, over), size_px, std::greater(),
+                                              [](const auto& v) { return v.size_px.x; });
+  return {found.begin(), found.end()};
+}
+
 void declare_rounds(GraphBuilder& builder, const ViewImage& image, DepthViews::Out& out) {
   builder.begin_step();
   out.cleared = out.depth = builder.write(out.depth, Access::transfer_destination);
   std::map<uint32_t, ImageHandle> layers_of;  // by size
-  for (uint32_t first = 0, end = 0; first < image.views.size(); first = end) {
-    const bool over = first >= image.first_over();
-    const uint32_t size = image.views[first].size_px.x, last = uint32_t(over ? image.views.size() : image.first_over());
-    while (end < last && image.views[end].size_px.x == size) ++end;
-    ImageDesc desc{fmt::format("{}.{}", image.name, size), depth_format, size, size};
+  std::vector<ViewRounds> all;
+  view_rounds(image, all);
+  for (const ViewRounds& of : all) {
+    ImageDesc desc{fmt::format("{}.{}", image.name, of.size_px), depth_format, of.size_px, of.size_px};
     desc.kind = ImageKind::d2_array;
-    desc.layers = std::clamp(round_texels / (size * size), 1u, most_round_layers);
+    desc.layers = layers_of_round(of.size_px);
     desc.covered = true;
-    ImageHandle& layers = layers_of[size];
+    ImageHandle& layers = layers_of[of.size_px];
     if (!layers) layers = builder.create(desc);
-    // In powers of two: views that come and go do not change the plan.
-    const uint32_t rounds = std::bit_ceil((end - first + desc.layers - 1) / desc.layers);
-    for (uint32_t r = 0; r < rounds; ++r) {
+    for (uint32_t r = 0; r < of.rounds; ++r) {
       DepthViews::Round round;
-      round.first = std::min(first + r * desc.layers, end);
-      round.count = std::min(round.first + desc.layers, end) - round.first;
-      round.size_px = size;
-      if (over) {
+      round.size_px = of.size_px, round.number = r, round.most = desc.layers;
+      if (of.over) {
         builder.begin_step();
         builder.read(out.depth, Access::transfer_source, "what stands");
         round.under = out.depth;
@@ -60,13 +72,16 @@ void record_round(CommandList& commands, const DepthViews::In& in, const DepthVi
   }
   const auto [number, what] = out.steps[commands.step() - 1];
   const DepthViews::Round& round = out.rounds[number];
-  const auto first = std::ranges::lower_bound(image.drawn, round.first);
-  const auto end = std::ranges::lower_bound(image.drawn, round.first + round.count);
+  const std::span<const shared::View> views = views_of(image, bool(round.loaded), round.size_px);
+  const uint32_t count = uint32_t(views.size()), past = std::min(round.number * round.most, count);
+  const uint32_t first_view = uint32_t(views.data() - image.views.data()) + past;
+  const auto first = std::ranges::lower_bound(image.drawn, first_view);
+  const auto end = std::ranges::lower_bound(image.drawn, first_view + std::min(round.most, count - past));
   if (first == end) return;
   if (what != DepthViews::RoundStep::draw) {
     for (auto v = first; v != end; ++v) {
       const shared::View& view = image.views[*v];
-      const CommandList::Tile layer{{0, 0}, *v - round.first};
+      const CommandList::Tile layer{{0, 0}, *v - first_view};
       if (what == DepthViews::RoundStep::load)
         commands.copy_tile(round.under, {view.under_px, view.under_layer}, round.loaded, layer, round.size_px);
       else
@@ -76,7 +91,7 @@ void record_round(CommandList& commands, const DepthViews::In& in, const DepthVi
   }
   commands.begin_rendering({}, round.layers);
   for (auto v = first; v != end && !round.loaded; ++v)
-    commands.clear_depth_layer(*v - round.first, image.views[*v].least_depth);
+    commands.clear_depth_layer(*v - first_view, image.views[*v].least_depth);
   for (auto v = first; v != end; ++v) {
     const shared::View& view = image.views[*v];
     shared::DepthLampPush push{};
@@ -84,7 +99,7 @@ void record_round(CommandList& commands, const DepthViews::In& in, const DepthVi
     push.places = commands.address(in.scene.places);
     push.clip_from_relative = view.clip_from_relative;
     push.origin = view.origin, push.origin_rest = view.origin_rest;
-    push.layer = *v - round.first;
+    push.layer = *v - first_view;
     record_view_runs(commands, in.scene, in.draws, out.pipelines, uint32_t(v - image.drawn.begin()), push,
                      in.scene.open_sides);
   }
@@ -92,6 +107,20 @@ void record_round(CommandList& commands, const DepthViews::In& in, const DepthVi
 }
 
 }  // namespace
+
+void view_rounds(const ViewImage& image, std::vector<ViewRounds>& rounds) {
+  rounds.clear();
+  if (!image.apart) return;
+  for (const bool over : {false, true}) {
+    const std::span<const shared::View> views = views_of(image, over);
+    for (size_t first = 0; first < views.size();) {
+      const uint32_t size_px = views[first].size_px.x, count = uint32_t(views_of(image, over, size_px).size());
+      const uint32_t most = layers_of_round(size_px);
+      rounds.push_back({size_px, std::bit_ceil((count + most - 1) / most), over});
+      first += count;
+    }
+  }
+}
 
 // Maps in which nothing opaque stands too: of what is seen through there are images beside them.
 Need DepthViews::needed(const SceneFacts& facts, const FrameRequest&) const {

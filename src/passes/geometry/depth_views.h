@@ -4,6 +4,15 @@
 
 namespace candela {
 
+// How many rounds the views of an image take that are drawn apart, size by size: as the graph has them. In powers of
+// two: views that come and go do not change the plan.
+struct ViewRounds {
+  uint32_t size_px = 0, rounds = 0;
+  bool over = false;  // of views that are drawn over others
+  bool operator==(const ViewRounds&) const = default;
+};
+void view_rounds(const ViewImage& image, std::vector<ViewRounds>& rounds);
+
 // Depth of what casts shadows, as a range of views sees it: each view draws into its layer and viewport of one layered
 // image, in 32-bit float, reversed as the view's matrix says. Views of one layer follow each other. Surfaces count from
 // both sides, as they do for a ray of light; what lies before the near plane of a parallel view is flattened onto it.
@@ -22,7 +31,7 @@ struct DepthViews {
   // Of views that are drawn apart: those of a size, as many at once as there are layers to draw them into, from where
   // they are copied to their tiles. Those that are drawn over others begin as copies of these (`under`).
   struct Round {
-    uint32_t first = 0, count = 0, size_px = 0;  // of the image's views
+    uint32_t size_px = 0, number = 0, most = 0;  // which round of these views, and how many it may draw
     ImageHandle layers, depth;
     ImageHandle under, loaded;  // empty: they begin with nothing
   };

@@ -160,7 +160,7 @@ RasterizeViews::Out RasterizeViews::declare(GraphBuilder& builder, const In& in)
     out.store = builder.pipeline(ComputePipelineDesc{image.apart ? "view_tiles.comp" : "view_texels.comp", {}});
   out.depth =
       builder.write(out.depth, in.floats ? Access::storage_image_write : Access::transfer_destination, {}, view);
-  if (image.over > 0) {
+  if (image.in_parts) {
     out.store_over = builder.pipeline(ComputePipelineDesc{"view_tiles.comp", {{1, "OVER", 1}}});
     builder.begin_step();
     builder.read(out.texels, Access::compute_read, "the depths of what moves");
@@ -192,7 +192,7 @@ void store_tiles(CommandList& commands, const RasterizeViews::In& in, const Rast
 }  // namespace
 
 void RasterizeViews::record(CommandList& commands, const In& in, const Out& out) const {
-  if (in.views.count == 0) return;
+  if (in.views.drawn() == 0) return;
   if (in.image->apart && commands.step() == 3) {
     if (in.image->outlives) return;
     shared::ViewTilesPush push{};
@@ -215,7 +215,7 @@ void RasterizeViews::record(CommandList& commands, const In& in, const Out& out)
   push.view_masks = in.scene.cull_group_count * shared::cull_group_size;
   push.image_px = in.image->size_px;
   if (in.image->apart) push.places = commands.address(in.scene.places);
-  record_step(commands, in.scene, in.masks, in.deformed, out.texels, out.steps, knobs, in.views.count, push);
+  record_step(commands, in.scene, in.masks, in.deformed, out.texels, out.steps, knobs, in.views.drawn(), push);
 }
 
 }  // namespace candela

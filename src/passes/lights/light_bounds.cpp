@@ -36,10 +36,10 @@ void LightBoundsPass::record(CommandList& commands, const In& in, const Out& out
   push.chunks = commands.address(out.boxes.chunks);
   push.dispatch = commands.address(out.boxes.dispatch);
   push.bounds_count = commands.address(out.count);
-  push.light_count = in.scene.light_count;
+  push.light_count = in.scene.values->light_count;
   commands.bind(out.pipeline);
   commands.push(push);
-  const glm::uvec2 threads = shared::light_threads(in.scene.light_count);
+  const glm::uvec2 threads = shared::light_threads(in.scene.values->light_count);
   commands.dispatch(threads.x, threads.y);
 }
 

@@ -458,7 +458,7 @@ void make_light_grid(LightGridKind kind, const FrameData& data, const shared::Fr
     s.segments = use_compact && knobs.cap == 0 && !on_device && knobs.order == int(LightOrder::segments);
     s.tile_px = g.tile_px, s.tiles_x = g.tiles.x, s.tiles_y = g.tiles.y;
     s.cells = uint32_t(grid.cells());
-    s.words = g.words;
+    s.words = (light_room(uint32_t(lights)) + 31) / 32;
     // In powers of two, so that the plan seldom changes from frame to frame.
     s.most_chunks = std::bit_ceil(on_device ? uint32_t(most.chunks) : out.dispatch.chunks);
     s.most_bounds = on_device ? std::bit_ceil(uint32_t(most.lights)) : 0;

@@ -5,7 +5,7 @@
 namespace candela {
 namespace {
 uint32_t groups_of(const SceneInputs& scene) {
-  return (scene.light_count + shared::light_volumes_group - 1) / shared::light_volumes_group;
+  return (scene.light_room + shared::light_volumes_group - 1) / shared::light_volumes_group;
 }
 }  // namespace
 
@@ -22,7 +22,7 @@ LightVolumeLists::Out LightVolumeLists::declare(GraphBuilder& builder, const In&
   Out out;
   out.masks = builder.create(BufferDesc{"light_volumes.masks", groups * lists * shared::light_volumes_group / 8});
   out.counts = builder.create(BufferDesc{"light_volumes.counts", groups * lists * 4});
-  BufferDesc all{"light_volumes.lists", lists * uint64_t(s.light_count) * 4};
+  BufferDesc all{"light_volumes.lists", lists * uint64_t(s.light_room) * 4};
   all.zeroed = true;  // a list need not be full
   out.volumes.lists = builder.create(all);
   out.volumes.draws = builder.create(BufferDesc{"light_volumes.draws", sizeof(shared::VolumeDraws)});

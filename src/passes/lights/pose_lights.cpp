@@ -33,7 +33,7 @@ PoseLights::Out PoseLights::declare(GraphBuilder& builder, const In& in) const {
   builder.read(s.light_instances, Access::compute_read, "light instances");
   builder.read_optional(s.posed_lights, Access::compute_read);
   Out out;
-  out.lights = builder.create(BufferDesc{"lights", uint64_t(s.light_count) * sizeof(shared::Light)});
+  out.lights = builder.create(BufferDesc{"lights", uint64_t(s.light_room) * sizeof(shared::Light)});
   out.lights = builder.write(out.lights, Access::compute_write);
   out.pipeline = builder.pipeline(ComputePipelineDesc{"pose_lights.comp", {}});
   return out;
@@ -47,10 +47,10 @@ void PoseLights::record(CommandList& commands, const In& in, const Out& out) con
   push.instances = commands.address(s.light_instances);
   push.posed = commands.address(s.posed_lights ? s.posed_lights : s.light_groups);  // never read where there are none
   push.lights = commands.address(out.lights);
-  push.group_count = s.light_group_count, push.light_count = s.light_count;
+  push.group_count = s.light_group_count, push.light_count = s.values->light_count;
   commands.bind(out.pipeline);
   commands.push(push);
-  const glm::uvec2 threads = shared::light_threads(s.light_count);
+  const glm::uvec2 threads = shared::light_threads(s.values->light_count);
   commands.dispatch(threads.x, threads.y);
 }
 

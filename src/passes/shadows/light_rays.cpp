@@ -24,7 +24,7 @@ Rooms rooms_of(const SceneInputs& s, const TracedRays& rays, const LightRayKnobs
       {rays.suns && rays.soft_suns ? rays.sun_samples : 1, rays.lamps && rays.soft_lamps ? rays.lamp_samples : 1});
   const uint64_t a_ray = rays.blended ? group_px * group_px : most_subgroups;
   const uint64_t all =
-      s.samples * (s.light_count * (samples * a_ray + most_subgroups * head_words) + 2 * most_subgroups);
+      s.samples * (s.light_room * (samples * a_ray + most_subgroups * head_words) + 2 * most_subgroups);
   const uint64_t fitting = (uint64_t(knobs.budget_mb) << 18) / out.groups;
   // How a GPU forms subgroups is known in the shader alone.
   out.suffice = rays.lockstep && all <= fitting;

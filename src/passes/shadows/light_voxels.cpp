@@ -20,7 +20,7 @@ Shape shape_of(const SceneInputs& scene, const FillLightVoxels::Knobs& knobs) {
   Shape s;
   const uint32_t side = uint32_t(knobs.size_px);
   s.tiles = {(scene.width_px + side - 1) / side, (scene.height_px + side - 1) / side};
-  s.words = (scene.light_count + shared::voxel_lights_a_word - 1) / shared::voxel_lights_a_word;
+  s.words = (scene.light_room + shared::voxel_lights_a_word - 1) / shared::voxel_lights_a_word;
   const uint64_t tiles = uint64_t(s.tiles.x) * s.tiles.y, state_bytes = 4ull * s.words;
   s.all_cells = uint32_t(std::min<uint64_t>(tiles * shared::voxel_tile_cells, UINT32_MAX / 2));
   const uint64_t fitting = (uint64_t(knobs.budget_mb) << 20) / (state_bytes + 4);

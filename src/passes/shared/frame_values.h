@@ -20,6 +20,7 @@ struct FrameValues {
   float agx_min_ev = 0, agx_max_ev = 0;
   float blended_near_m = 0, blended_far_m = 0;  // between which depths along the view axis blended surfaces lie
   float volumetric_reach_m = 0;                 // of a ray, beyond which no lamp's light in the air is left
+  uint32_t light_count = 0;                     // as uploaded or posed
   uint32_t metaball_blocks = 0;
   Bloom bloom;
   AutoExposure auto_exposure;

@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <string>
 
@@ -12,6 +14,12 @@ namespace candela {
 
 // How a technique wants the frame's light lists laid out (passes/lights/light_grid.h).
 enum class LightGridKind { none, clusters, tiles };
+
+// Of how many lights buffers are: at most an eighth more, so that lights that come and go seldom change the plan.
+inline uint32_t light_room(uint32_t lights) {
+  const uint32_t step = std::max(std::bit_floor(lights) / 8, 1u);
+  return (lights + step - 1) / step * step;
+}
 
 // Each light's box of cells (shared/lights.h), and their chunks.
 struct LightBoxes {

@@ -60,7 +60,8 @@ struct SceneInputs {
   BufferHandle motion, joints_before, weights_before;
   std::shared_ptr<const std::vector<DrawBatch>> draw_batches;
   std::vector<SpecConstant> features;  // of shaders/lib/features.glsl, from the visible materials
-  uint32_t item_count = 0, cull_group_count = 0, batch_count = 0, light_count = 0;
+  uint32_t item_count = 0, cull_group_count = 0, batch_count = 0;
+  uint32_t light_room = 0;                // at least as many as there are lights (FrameValues::light_count)
   std::vector<uint32_t> deform_vertices;  // vertex count of each deform job
   uint32_t deformed_words = 0;            // size of the deformed buffer
   bool open_sides = false;                // light passes single-sided faces from behind (--sides)

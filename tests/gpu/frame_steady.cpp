@@ -83,6 +83,28 @@ TEST_F(FrameSteady, IsTheSameAsAlone) {
   }
 }
 
+// Lamps that move, and maps of lamps that come into view and go, are no other frame to plan.
+TEST_F(FrameSteady, LampsThatComeAndGoShareAPlan) {
+  for (const std::string technique : {"clustered", "visibility"}) {
+    Job job = job_for(scene("street"), 96, 64);
+    job.technique = technique;
+    job.settings = {{"local", "lights", "64"}};
+    const auto film = open_film(job);
+    ASSERT_TRUE(film);
+    std::vector<Images> frames;
+    std::vector<std::shared_ptr<const FramePlan>> plans;
+    for (int frame = 0; frame < 8; ++frame) {
+      const FrameResult result = render(*film, 1 + frame * frame_s);
+      frames.push_back(images(result));
+      if (std::ranges::find(plans, result.plan) == plans.end()) plans.push_back(result.plan);
+    }
+    EXPECT_LE(plans.size(), 3u) << technique;  // the first, with maps from before, and one more
+    const auto alone = open_film(job);
+    ASSERT_TRUE(alone);
+    EXPECT_EQ(images(render(*alone, 1 + 7 * frame_s)), frames[7]) << technique;
+  }
+}
+
 // The frames of a picture with a shutter go to and fro between two plans.
 TEST_F(FrameSteady, PicturesOfSeveralFramesKeepBothPlans) {
   Job job = job_for(scene("animated"), 24, 16);

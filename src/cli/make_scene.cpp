@@ -27,19 +27,15 @@ Expected<int> run_make_scene(const MakeSceneOptions& o) {
   if (std::filesystem::path(o.output).extension() != ".glb")
     return fail(ErrorKind::usage, "-o", "'{}' does not end in .glb", o.output);
   if (o.lights < 0) return fail(ErrorKind::usage, "--lights", "{} is below 0", o.lights);
-  const NamedFile files[] = {{"-o", o.output},
-                             {"-o", sky_beside(o.output)},
-                             {"-o", night_sky_beside(o.output)},
-                             {"-o", film_look_beside(o.output)}};
+  const auto beside = make_files_beside(o.name, o.seed, o.output);
+  if (!beside) return std::unexpected(beside.error());
+  std::vector<NamedFile> files{{"-o", o.output}};
+  for (const SceneFile& file : *beside) files.push_back({"-o", file.path});
   if (auto fine = declare_outputs(files); !fine) return std::unexpected(fine.error());
   if (auto ready = prepare_output(o.output); !ready) return std::unexpected(ready.error());
   if (auto made = make_scene(o.name, o.seed, o.lights, o.output); !made) return std::unexpected(made.error());
   log::info("wrote {}", o.output);
-  if (scene_is_film(o.name))
-    log::info("wrote {}, its look, and the skies that it blends, {} and {}", film_look_beside(o.output).string(),
-              sky_beside(o.output).string(), night_sky_beside(o.output).string());
-  else if (scene_has_sky(o.name))
-    log::info("wrote {}, its sky", sky_beside(o.output).string());
+  for (const SceneFile& file : *beside) log::info("wrote {}", file.path.string());
   return 0;
 }
 

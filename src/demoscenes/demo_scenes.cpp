@@ -12,6 +12,7 @@ const DemoScene table[] = {
      .sky = make_city_day_sky,
      .night_sky = make_city_night_sky,
      .look = city_look()},
+    {.name = "cave-film", .make = make_cave_film, .look = cave_look(), .texts = make_cave_texts},
 };
 
 }  // namespace

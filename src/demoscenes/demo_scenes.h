@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -16,6 +17,14 @@ std::vector<std::byte> make_city_day_sky(uint64_t seed);
 std::vector<std::byte> make_city_night_sky(uint64_t seed);
 std::string_view city_look();
 
+// A text beside the scene that its look names: the end of its name, after the scene's without its own end.
+struct DemoText {
+  std::string suffix, text;
+};
+void make_cave_film(GlbWriter& out, SceneOptions& options);
+std::vector<DemoText> make_cave_texts(uint64_t seed);
+std::string_view cave_look();
+
 struct DemoScene {
   std::string_view name;
   void (*make)(GlbWriter&, SceneOptions&);
@@ -23,6 +32,7 @@ struct DemoScene {
   std::vector<std::byte> (*sky)(uint64_t seed) = nullptr;
   std::vector<std::byte> (*night_sky)(uint64_t seed) = nullptr;
   std::string_view look{};  // SCENE stands for the name of the scene's file without its end
+  std::vector<DemoText> (*texts)(uint64_t seed) = nullptr;
 };
 // Null for an unknown name.
 const DemoScene* find_demo_scene(std::string_view name);

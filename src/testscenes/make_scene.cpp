@@ -3,6 +3,7 @@
 #include <span>
 
 #include "base/files.h"
+#include "base/json.h"
 #include "math/transforms.h"
 #include "testscenes/demo_scene.h"
 #include "testscenes/procedural_textures.h"
@@ -31,6 +32,9 @@ constexpr SceneEntry table[] = {
      make_animation_pointer},
     {"caustics", "a ball, a lens and a slab of glass that bend a sun's light onto a floor", make_caustics, 0, false},
     {"cave", "a tunnel of rough rock with dripstones and three coloured lamps behind them", make_cave, 0, false},
+    {"cave-film",
+     "a film of 15 s: a hall of rock with a bunny, a dragon, a wall that moves and three lamps that go round", nullptr,
+     0, false, false, true},
     {"city", "a film of 20 s: a district as day turns to night, with cars, people, a curious blob and a saucer",
      nullptr, 0, false, true, true},
     {"crossing", "blended squares through one another", make_crossing, 0, false},
@@ -121,25 +125,48 @@ Expected<std::vector<std::byte>> make_scene_sky(const std::string& name, uint64_
 }
 
 std::filesystem::path sky_beside(std::filesystem::path scene) { return scene.replace_extension(".hdr"); }
-std::filesystem::path night_sky_beside(const std::filesystem::path& scene) {
-  return scene.parent_path() / (scene.stem().string() + "-night.hdr");
-}
-std::filesystem::path film_look_beside(std::filesystem::path scene) { return scene.replace_extension(".look.json"); }
-
 bool scene_is_film(std::string_view name) {
   const SceneEntry* entry = find(name);
   return entry && entry->is_film;
 }
 
-Expected<std::string> make_scene_look(const std::string& name, const std::filesystem::path& out) {
-  if (!scene_is_film(name)) return std::string();
-  const auto bytes = make_demo_scene(name, candela_demo_scene_look, 0, 0);
-  if (!bytes) return std::unexpected(bytes.error());
-  std::string text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+namespace {
+
+// A film's look for a file of that name.
+std::vector<std::byte> with_stem(std::span<const std::byte> look, const std::filesystem::path& out) {
+  std::string text(reinterpret_cast<const char*>(look.data()), look.size());
   constexpr std::string_view stem = "SCENE";
   for (size_t at = text.find(stem); at != std::string::npos; at = text.find(stem, at))
     text.replace(at, stem.size(), out.stem().string());
-  return text;
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace
+
+Expected<std::vector<SceneFile>> make_files_beside(const std::string& name, uint64_t seed,
+                                                   const std::filesystem::path& out) {
+  std::vector<SceneFile> files;
+  auto sky = make_scene_sky(name, seed);
+  if (!sky) return std::unexpected(sky.error());
+  if (!sky->empty()) files.push_back({sky_beside(out), std::move(*sky)});
+  if (!scene_is_film(name)) return files;
+  auto night = make_demo_scene(name, candela_demo_scene_night_sky, seed, 0);
+  if (!night) return std::unexpected(night.error());
+  if (!night->empty()) files.push_back({out.parent_path() / (out.stem().string() + "-night.hdr"), std::move(*night)});
+  const auto look = make_demo_scene(name, candela_demo_scene_look, seed, 0);
+  if (!look) return std::unexpected(look.error());
+  files.push_back({std::filesystem::path(out).replace_extension(".look.json"), with_stem(*look, out)});
+  const auto texts = make_demo_scene(name, candela_demo_scene_texts, seed, 0);
+  if (!texts) return std::unexpected(texts.error());
+  if (texts->empty()) return files;
+  const auto parsed = own_json({reinterpret_cast<const char*>(texts->data()), texts->size()});
+  for (const auto& [suffix, value] : parsed.items()) {
+    const std::string text = value.get<std::string>();
+    const auto bytes = std::as_bytes(std::span(text));
+    files.push_back({out.parent_path() / (out.stem().string() + suffix), {bytes.begin(), bytes.end()}});
+  }
+  return files;
 }
 
 Expected<std::vector<std::byte>> make_scene_bytes(const std::string& name, uint64_t seed, int lights) {
@@ -163,21 +190,11 @@ Expected<std::vector<std::byte>> make_scene_bytes(const std::string& name, uint6
 Expected<void> make_scene(const std::string& name, uint64_t seed, int lights, const std::filesystem::path& out) {
   auto bytes = make_scene_bytes(name, seed, lights);
   if (!bytes) return std::unexpected(bytes.error());
-  const auto sky = make_scene_sky(name, seed);
-  if (!sky) return std::unexpected(sky.error());
-  if (!sky->empty())
-    if (auto written = write_file_atomically(sky_beside(out), std::span<const std::byte>(*sky)); !written)
+  const auto beside = make_files_beside(name, seed, out);
+  if (!beside) return std::unexpected(beside.error());
+  for (const SceneFile& file : *beside)
+    if (auto written = write_file_atomically(file.path, std::span<const std::byte>(file.bytes)); !written)
       return std::unexpected(written.error());
-  if (scene_is_film(name)) {
-    const auto night = make_demo_scene(name, candela_demo_scene_night_sky, seed, 0);
-    if (!night) return std::unexpected(night.error());
-    const auto look = make_scene_look(name, out);
-    if (!look) return std::unexpected(look.error());
-    if (auto written = write_file_atomically(night_sky_beside(out), std::span<const std::byte>(*night)); !written)
-      return std::unexpected(written.error());
-    if (auto written = write_file_atomically(film_look_beside(out), std::as_bytes(std::span(*look))); !written)
-      return std::unexpected(written.error());
-  }
   return write_file_atomically(out, std::span<const std::byte>(*bytes));
 }
 

@@ -24,14 +24,19 @@ Expected<std::vector<std::byte>> make_scene_bytes(const std::string& name, uint6
 bool scene_has_sky(std::string_view name);
 // The sky that belongs to a scene, as a Radiance HDR; empty where none does.
 Expected<std::vector<std::byte>> make_scene_sky(const std::string& name, uint64_t seed);
-// A film has a look too, which `render` reads where it lies beside the scene, and names two skies that it blends.
+// A film has a look too, which `render` reads where it lies beside the scene.
 bool scene_is_film(std::string_view name);
-// The look of a film in a file of that name; empty where the scene is none.
-Expected<std::string> make_scene_look(const std::string& name, const std::filesystem::path& out);
-// The scene's file, and beside it its sky where it has one: sky_beside(out); of a film also look and second sky.
+
+struct SceneFile {
+  std::filesystem::path path;
+  std::vector<std::byte> bytes;
+};
+// What lies beside a scene's file of that name: its sky, and of a film its look and what that names, a second sky or
+// files of paths and instances.
+Expected<std::vector<SceneFile>> make_files_beside(const std::string& name, uint64_t seed,
+                                                   const std::filesystem::path& out);
+// The scene's file and what lies beside it.
 Expected<void> make_scene(const std::string& name, uint64_t seed, int lights, const std::filesystem::path& out);
 std::filesystem::path sky_beside(std::filesystem::path scene);
-std::filesystem::path night_sky_beside(const std::filesystem::path& scene);
-std::filesystem::path film_look_beside(std::filesystem::path scene);
 
 }  // namespace candela

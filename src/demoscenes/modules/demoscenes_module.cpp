@@ -15,6 +15,14 @@ std::vector<std::byte> part_of(const DemoScene& scene, CandelaDemoScenePart part
     const auto text = std::as_bytes(std::span(scene.look));
     return {text.begin(), text.end()};
   }
+  if (part == candela_demo_scene_texts) {
+    if (!scene.texts) return {};
+    json texts = json::object();
+    for (const DemoText& text : scene.texts(seed)) texts[text.suffix] = text.text;
+    const std::string dumped = texts.dump();
+    const auto bytes = std::as_bytes(std::span(dumped));
+    return {bytes.begin(), bytes.end()};
+  }
   GlbWriter writer;
   SceneOptions options{Rng(seed), lights};
   scene.make(writer, options);

@@ -14,7 +14,7 @@ namespace {
 using std::numbers::pi;
 
 Shape ball(glm::dvec3 centre, double radius) {
-  Shape shape = sphere(radius, 20, 14);
+  Shape shape = sphere(radius, 14, 10);
   for (glm::dvec3& p : shape.position) p += centre;
   return shape;
 }
@@ -34,7 +34,7 @@ glm::dmat3 axes_along(glm::dvec3 up, glm::dvec3 front) {
 // --- the bunny: it sits, looks to +Z, and is about 1.4 m high to the tips of its ears
 
 struct Bunny {
-  static constexpr glm::dvec3 head{0, 0.88, 0.3}, eye{0.158, 0.93, 0.415};
+  static constexpr glm::dvec3 head{0, 0.88, 0.3}, eye{0.15, 0.935, 0.41};
   static glm::dvec3 ear_root() { return {0.085, 1.03, 0.2}; }
   static glm::dvec3 ear_tip() { return {0.2, 1.52, 0.04}; }
   static glm::dmat3 ear_axes() { return axes_along(ear_tip() - ear_root(), {0.35, 0.1, 1}); }
@@ -62,7 +62,7 @@ struct Bunny {
     // The mouth's cleft and the sockets of the eyes.
     head_d = smooth_max(head_d, -to_round_cone(p, {0, 0.848, 0.59}, 0.006, {0, 0.79, 0.575}, 0.008), 0.02);
     head_d = smooth_max(head_d, -(glm::length(p - (eye + glm::dvec3(0.022, 0.0, 0.012))) - 0.055), 0.025);
-    head_d = smooth_min(head_d, to_ellipsoid(p, eye + glm::dvec3(-0.02, 0.052, -0.012), {0.045, 0.016, 0.05}), 0.03);
+    head_d = smooth_min(head_d, to_ellipsoid(p, eye + glm::dvec3(-0.03, 0.04, -0.02), {0.05, 0.03, 0.05}), 0.04);
     d = smooth_min(d, head_d, 0.07);
     d = smooth_min(d, to_ear(p), 0.045);
     // Legs and feet.
@@ -84,12 +84,12 @@ struct Bunny {
     const double on_ear = smooth_step(1.03, 1.1, p.y),
                  on_face = 1 - smooth_step(0.2, 0.3, glm::length(p - glm::dvec3(0, 0.87, 0.42)));
     const glm::dvec3 combed(p.x * 26, (p.y + 0.5 * p.z) * 9, (p.z - 0.3 * p.y) * 14);
-    const double amount = 0.013 * (1 - 0.8 * std::max(on_ear, on_face)) + 0.016 * on_tail;
+    const double amount = 0.007 * (1 - 0.8 * std::max(on_ear, on_face)) + 0.012 * on_tail;
     return d + amount * fbm3(combed, 2, 60);
   }
   static glm::dvec3 color(glm::dvec3 q, glm::dvec3 normal) {
     const glm::dvec3 p = mirrored(q);
-    const glm::dvec3 brown(0.34, 0.2, 0.11), cream(0.8, 0.7, 0.57), pink(0.9, 0.42, 0.38);
+    const glm::dvec3 brown(0.23, 0.125, 0.06), cream(0.72, 0.62, 0.5), pink(0.9, 0.42, 0.38);
     const double combed = fbm3({p.x * 30, (p.y + 0.5 * p.z) * 8, p.z * 16}, 2, 61);
     double pale = 1 - smooth_step(0.1, 0.16, std::abs(glm::length(p - glm::dvec3(0, 0.27, -0.58)) - 0.05));  // the tail
     pale = std::max(pale, smooth_step(0.2, 0.75, normal.z - 0.2 * normal.y) * (1 - smooth_step(0.62, 0.78, p.y)));
@@ -126,7 +126,7 @@ class Dragon {
         {{0.42, 0.48, -1.2}, 0.3},   {{0.05, 0.72, -0.85}, 0.42},  {{0, 0.95, -0.3}, 0.47},
         {{0, 1.2, 0.22}, 0.43},      {{-0.03, 1.55, 0.5}, 0.29},   {{-0.1, 1.95, 0.47}, 0.21},
         {{-0.16, 2.35, 0.4}, 0.175}, {{-0.13, 2.66, 0.58}, 0.165}, {{-0.06, 2.74, 0.86}, 0.16}};
-    constexpr int steps = 4;
+    constexpr int steps = 16;
     for (size_t k = 0; k + 1 < keys.size(); ++k)
       for (int i = 0; i < steps; ++i) {
         const double t = double(i) / steps;
@@ -140,6 +140,7 @@ class Dragon {
             {blend(a.at, b.at, c.at, d.at), std::max(blend(a.radius, b.radius, c.radius, d.radius), 0.012)});
       }
     spine_.push_back(keys.back());
+    for (size_t i = 0; i < spine_.size(); i += steps / 4) coarse_.push_back(spine_[i]);
     length_.push_back(0);
     for (size_t i = 1; i < spine_.size(); ++i)
       length_.push_back(length_.back() + glm::length(spine_[i].at - spine_[i - 1].at));
@@ -288,7 +289,7 @@ class Dragon {
     d = std::min(d, to_triangle(p, wrist, tips[2], elbow));
     web(elbow, tips[2], hip_end);
     d = std::min(d, to_triangle(p, elbow, hip_end, shoulder));
-    return d - 0.022;
+    return d - 0.028;
   }
   static double to_wing(glm::dvec3 p) {
     double d = to_round_cone(p, shoulder - glm::dvec3(0.1, 0.12, 0), 0.13, elbow, 0.08);
@@ -335,8 +336,8 @@ class Dragon {
   }
   double smooth_body(glm::dvec3 q) const {
     double d = 1e9;
-    for (size_t i = 0; i + 1 < spine_.size(); ++i)
-      d = std::min(d, to_round_cone(q, spine_[i].at, spine_[i].radius, spine_[i + 1].at, spine_[i + 1].radius));
+    for (size_t i = 0; i + 1 < coarse_.size(); ++i)
+      d = std::min(d, to_round_cone(q, coarse_[i].at, coarse_[i].radius, coarse_[i + 1].at, coarse_[i + 1].radius));
     const glm::dvec3 p = mirrored(q);
     d = smooth_min(d, to_spikes(q), 0.03);
     if (glm::length(q - head_) < 1.5) d = smooth_min(d, to_head(q), 0.08);
@@ -348,7 +349,7 @@ class Dragon {
     glm::dvec3 root, tip;
     double radius;
   };
-  std::vector<Bone> spine_;
+  std::vector<Bone> spine_, coarse_;  // the coarse one is meshed, the other one textured
   std::vector<double> length_;
   std::vector<Spike> spikes_;
   glm::dvec3 head_;
@@ -391,7 +392,7 @@ void add_bunny(GlbWriter& out) {
   coat["extensions"]["KHR_materials_sheen"] = {{"sheenColorFactor", vector_json({0.22, 0.19, 0.16})},
                                                {"sheenRoughnessFactor", 0.5}};
   const int material = out.material("fur", coat);
-  const ImplicitMesh mesh = mesh_implicit(Bunny::field, {-0.56, -0.15, -0.86}, {0.56, 1.72, 0.72}, 0.024, 1.7);
+  const ImplicitMesh mesh = mesh_implicit(Bunny::field, {-0.56, -0.15, -0.86}, {0.56, 1.72, 0.72}, 0.032, 1.7);
   const Shape shape =
       textured(mesh, {[](glm::dvec3, glm::dvec3 n) { return box_group(n); },
                       [](glm::dvec3 at, glm::dvec3, int group) { return box_uv(at, group) / 0.35; }, Bunny::color});
@@ -416,7 +417,7 @@ void add_dragon(GlbWriter& out) {
   const int material = out.material("dragon", hide);
   const Dragon dragon;
   const ImplicitMesh mesh =
-      mesh_implicit([&](glm::dvec3 p) { return dragon.field(p); }, {-2.6, -0.2, -1.75}, {2.6, 3.45, 2.2}, 0.036, 1.5);
+      mesh_implicit([&](glm::dvec3 p) { return dragon.field(p); }, {-2.6, -0.2, -1.75}, {2.6, 3.45, 2.2}, 0.05, 1.5);
   // Scales, and the skin between the wings' fingers.
   std::array<ImplicitMesh, 2> parts;
   for (ImplicitMesh& part : parts) part.position = mesh.position, part.normal = mesh.normal;

@@ -85,11 +85,11 @@ void add_camera(GlbWriter& out) {
 
 void add_lamps(GlbWriter& out) {
   out.use_extension("KHR_materials_emissive_strength");
-  const json ball = out.primitive(sphere(lamp_radius_m, 28, 18));
+  const json ball = out.primitive(sphere(lamp_radius_m, 24, 14));
   for (const Lamp& lamp : lamps()) {
     json glow = pbr({0.02, 0.02, 0.02, 1}, 0, 0.6);
     glow["emissiveFactor"] = vector_json(lamp.color);
-    glow["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] = 2.2;
+    glow["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] = 3;
     const int mesh = out.mesh(lamp.name, ball, out.material(lamp.name, glow));
     const int light = out.light({{"type", "point"},
                                  {"name", lamp.name},
@@ -103,12 +103,19 @@ void add_lamps(GlbWriter& out) {
 }
 
 void add_daylight(GlbWriter& out) {
+  // What is seen of the sky from below.
+  json sky = pbr({0, 0, 0, 1}, 0, 1);
+  sky["emissiveFactor"] = vector_json({1, 0.92, 0.78});
+  sky["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] = 4;
+  sky["doubleSided"] = true;
+  out.node("sky", {{"mesh", out.mesh("sky", out.primitive(ground(2.4, 1, 1)), out.material("sky", sky))},
+                   {"translation", vector_json(shaft_top + glm::dvec3(0, 0.5, 0))}});
   const int light = out.light({{"name", "daylight"},
                                {"type", "spot"},
-                               {"color", vector_json({0.78, 0.9, 1})},
-                               {"intensity", 620},
+                               {"color", vector_json({1, 0.88, 0.66})},
+                               {"intensity", 700},
                                {"range", 16},
-                               {"spot", {{"innerConeAngle", 0.1}, {"outerConeAngle", 0.15}}}});
+                               {"spot", {{"innerConeAngle", 0.12}, {"outerConeAngle", 0.17}}}});
   const glm::dquat turn = glm::quat_cast(glm::dmat3(look_at_pose(shaft_top, {island.x, 0.7, island.y})));
   out.node("daylight", {{"translation", vector_json(shaft_top)},
                         {"rotation", quaternion_json(turn)},
@@ -142,8 +149,8 @@ const std::array<Lamp, 3>& lamps() {
                                           {6.3, 5},
                                           {7, 6},
                                           {8, 7},
-                                          {9.2, 8},
-                                          {10.2, 9},
+                                          {9, 8},
+                                          {9.9, 9},
                                           {11.7, 10},
                                           {13, 11},
                                           {15, 11.6}}},
@@ -195,8 +202,8 @@ const std::array<Lamp, 3>& lamps() {
                                          {{0, 0},
                                           {1.5, 1},
                                           {3, 2},
-                                          {4.4, 3},
-                                          {5.6, 4},
+                                          {4, 3},
+                                          {5, 4},
                                           {6.6, 5},
                                           {7.8, 6},
                                           {9, 7},

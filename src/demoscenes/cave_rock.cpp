@@ -33,8 +33,8 @@ TilePoint rock_point(double u, double v, uint64_t seed) {
   const glm::dvec3 lime(0.56, 0.48, 0.38), clay(0.33, 0.25, 0.19);
   p.color = glm::mix(clay, lime, smooth_step(0.3, 0.7, broad)) * (0.72 + 0.4 * fine) * (0.92 + 0.16 * grain) *
             (1 - 0.55 * crack) * (1 - 0.22 * wet);
-  p.height_m = 0.09 * broad + 0.035 * fine + 0.004 * grain * (1 - wet) - 0.03 * crack;
-  p.roughness = std::clamp(0.85 - 0.38 * wet + 0.1 * (grain - 0.5), 0.4, 0.95);
+  p.height_m = 0.06 * broad + 0.03 * fine + 0.004 * grain * (1 - wet) - 0.03 * crack;
+  p.roughness = std::clamp(0.92 - 0.2 * wet + 0.1 * (grain - 0.5), 0.7, 0.95);
   return p;
 }
 
@@ -96,7 +96,7 @@ void add_wall(GlbWriter& out, uint64_t seed) {
   out.use_extension("CANDELA_relief");
   const int heights =
       out.texture("wall heights",
-                  png_from(size / 2, size / 2, 3,
+                  png_from(size / 4, size / 4, 3,
                            [&](double u, double v) { return glm::dvec4(glm::dvec3(masonry_at(u, v, seed).depth), 1); }),
                   trilinear());
   const int colors = out.texture(
@@ -106,9 +106,9 @@ void add_wall(GlbWriter& out, uint64_t seed) {
                  const Masonry m = masonry_at(u, v, seed);
                  const double grain = tiling_octaves(u, v, 40, 3, seed + 8);
                  const double stain = tiling_octaves(u, v, 3, 4, seed + 9);
-                 const glm::dvec3 stone = glm::mix(glm::dvec3(0.42, 0.25, 0.17), glm::dvec3(0.6, 0.47, 0.34), m.stone);
-                 const glm::dvec3 color =
-                     glm::mix(glm::dvec3(0.2, 0.17, 0.14), stone, m.shade) * (0.7 + 0.5 * grain) * (0.65 + 0.6 * stain);
+                 const glm::dvec3 stone = glm::mix(glm::dvec3(0.22, 0.14, 0.1), glm::dvec3(0.52, 0.4, 0.29), m.stone);
+                 const glm::dvec3 color = glm::mix(glm::dvec3(0.1, 0.085, 0.07), stone, m.shade) * (0.7 + 0.5 * grain) *
+                                          (0.65 + 0.6 * stain);
                  return glm::dvec4(srgb_of(glm::min(color, 1.0)), 1);
                }),
       trilinear());
@@ -183,14 +183,16 @@ double air(glm::dvec3 p) {
   d = smooth_min(d, to_ellipsoid(q, {-4.4, 2.9, -6}, {3.6, 3.6, 3.6}), 1.2);
   d = smooth_min(d, to_ellipsoid(q, {4.1, 2.2, -7.3}, {2.9, 3, 3}), 1);
   d = smooth_min(d, to_round_cone(q, {1.7, 1.7, 13}, 1.9, {0.8, 1.8, 4}, 2.2), 1.2);
-  d = smooth_min(d, to_round_cone(q, {island.x, 5, -2.3}, 1.3, {1.05, 10.6, -1.1}, 1.0), 1.2);
+  d = smooth_min(d, to_round_cone(q, {0.8, 5, -1.0}, 1.6, {1.6, 10.6, 1.0}, 2.1), 1.2);
   d += 0.45 * fbm3(p * 0.55, 3, 10) + 0.3 * (0.55 - ridged3(p * glm::dvec3(0.8, 1.5, 0.8), 3, 11)) +
        0.05 * noise3(p * 3.1, 14);
+  // The light from above comes in by what no fold of the rock closes.
+  d = smooth_min(d, to_round_cone(p, shaft_top + glm::dvec3(0.1, 1.0, 0.3), 1.15, {0.85, 4.6, -0.9}, 1.2), 0.5);
   // Columns from floor to ceiling.
   constexpr std::array<glm::dvec3, 6> columns{
       {{-2.9, 0.36, 1.5}, {3.7, 0.42, 0.5}, {-6.0, 0.5, -2.2}, {1.5, 0.55, -9.3}, {-1.2, 0.3, -8.6}, {5.6, 0.4, -3.9}}};
   for (const glm::dvec3& c : columns) {
-    const double up = p.y - 2.1;
+    const double up = std::clamp(p.y - 2.1, -3.0, 3.5);
     const double radius = c.y * (0.8 + 0.11 * up * up) * (1 + 0.14 * noise3({p.y * 2.2, c.x, c.z}, 20)) +
                           0.12 * fbm3(p * glm::dvec3(3, 0.8, 3), 2, 21);
     const double to = glm::length(glm::dvec2(q.x - c.x, q.z - c.z)) - radius;
@@ -200,12 +202,12 @@ double air(glm::dvec3 p) {
 }
 
 void add_rock(GlbWriter& out, uint64_t seed) {
-  constexpr double cell_m = 0.24, tile_m = 3, chunk_m = 5;
+  constexpr double cell_m = 0.3, tile_m = 3, chunk_m = 5;
   const int rock = out.material(
       "rock", textured_material(out, "rock",
                                 bake_tile(512, tile_m, [seed](double u, double v) { return rock_point(u, v, seed); })));
   const ImplicitMesh hall =
-      mesh_implicit([](glm::dvec3 p) { return -air(p); }, {-9.6, -2, -12.5}, {9.6, 12.6, 16}, cell_m, 2.2);
+      mesh_implicit([](glm::dvec3 p) { return -air(p); }, {-9.6, -2, -12.5}, {9.6, 13.8, 16}, cell_m, 2.2);
   // In pieces, so that shadow maps draw what lies before them.
   std::map<std::pair<int, int>, ImplicitMesh> pieces;
   for (size_t i = 0; i < hall.index.size(); i += 3) {

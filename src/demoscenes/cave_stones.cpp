@@ -49,7 +49,7 @@ const std::array<Kind, 8>& kinds() {
        "-boulders-1.txt",
        false,
        false,
-       0.105,
+       0.15,
        {-0.9, -0.7, -0.9},
        {0.9, 0.7, 0.9},
        [](glm::dvec3 p) {
@@ -59,7 +59,7 @@ const std::array<Kind, 8>& kinds() {
        "-boulders-2.txt",
        false,
        false,
-       0.105,
+       0.15,
        {-0.9, -0.8, -0.9},
        {0.9, 0.8, 0.9},
        [](glm::dvec3 p) {
@@ -69,7 +69,7 @@ const std::array<Kind, 8>& kinds() {
        "-boulders-3.txt",
        false,
        false,
-       0.105,
+       0.15,
        {-1, -0.6, -1},
        {1, 0.6, 1},
        [](glm::dvec3 p) {
@@ -79,7 +79,7 @@ const std::array<Kind, 8>& kinds() {
        "-pebbles.txt",
        false,
        false,
-       0.2,
+       0.28,
        {-0.9, -0.8, -0.9},
        {0.9, 0.8, 0.9},
        [](glm::dvec3 p) {
@@ -89,7 +89,7 @@ const std::array<Kind, 8>& kinds() {
        "-dripstones-1.txt",
        true,
        true,
-       0.075,
+       0.115,
        {-0.7, -2.1, -0.7},
        {0.7, 0.5, 0.7},
        [](glm::dvec3 p) { return drip(p, 1.9, 0.2, 3); }},
@@ -97,7 +97,7 @@ const std::array<Kind, 8>& kinds() {
        "-dripstones-2.txt",
        true,
        true,
-       0.075,
+       0.115,
        {-0.9, -1.7, -0.9},
        {0.9, 0.5, 0.9},
        [](glm::dvec3 p) {
@@ -109,7 +109,7 @@ const std::array<Kind, 8>& kinds() {
        "-dripstones-3.txt",
        true,
        true,
-       0.06,
+       0.09,
        {-0.5, -1.2, -0.5},
        {0.5, 0.5, 0.5},
        [](glm::dvec3 p) { return drip(p, 1.0, 0.1, 8); }},
@@ -117,7 +117,7 @@ const std::array<Kind, 8>& kinds() {
        "-standing.txt",
        false,
        true,
-       0.08,
+       0.12,
        {-0.9, -0.5, -0.9},
        {0.9, 1.5, 0.9},
        [](glm::dvec3 p) { return drip(glm::dvec3(p.x, -p.y, p.z), 1.2, 0.26, 9); }},
@@ -186,9 +186,9 @@ std::vector<Stones> place_stones(uint64_t seed) {
     }
   }
   // Dripstones hang in groups, and some have one that stands below them.
-  for (int i = 0; i < 150; ++i) {
+  for (int i = 0; i < 120; ++i) {
     const glm::dvec2 at(rng.uniform(-6.5, 6.5), rng.uniform(-10.5, 10));
-    const bool in_shaft = glm::length(at - glm::dvec2(0.5, -2.4)) < 2;
+    const bool in_shaft = glm::length(at - glm::dvec2(0.8, -1.2)) < 2.3;
     if (air({at.x, 2.2, at.y}) > -0.5 || in_shaft) continue;
     const double top = meet({at.x, 2.2, at.y}, 1);
     if (std::isnan(top) || top < 3.1) continue;

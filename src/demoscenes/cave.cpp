@@ -57,9 +57,9 @@ std::string_view cave_look() {
   "sky": {"gradient": {"zenith": [0.045, 0.055, 0.08], "horizon": [0.04, 0.046, 0.065], "ground": [0.036, 0.03, 0.028]}},
   "occlusion": {"radius_m": 2.5},
   "reflections": {},
-  "fog": {"extinction": [0.0075, 0.0075, 0.008], "albedo": 0.95, "anisotropy": 0.35},
+  "fog": {"extinction": [0.011, 0.011, 0.012], "albedo": 0.95, "anisotropy": 0.35},
   "bloom": {"strength": 0.16, "weights": [1, 1, 1, 1, 1, 1]},
-  "exposure": {"ev": {"keys": [[0, 0.3], [4, 0.1], [5, 0.1], [5.01, -0.9], [9.49, -0.9], [9.5, 0.2], [12, 0]]}},
+  "exposure": {"ev": {"keys": [[0, 0.55], [4, 0.2], [5, 0.1], [5.01, -0.9], [9.49, -0.9], [9.5, 0.2], [12, 0]]}},
   "tone_mapping": {"curve": "agx", "agx_min_ev": -10, "agx_max_ev": 3.2}
 }
 )";

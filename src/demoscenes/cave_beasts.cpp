@@ -164,7 +164,7 @@ class Dragon {
   double field(glm::dvec3 p) const {
     const double d = smooth_body(p);
     if (std::abs(d) > 0.12) return d;
-    return d + 0.012 * smooth_step(0.02, 0.06, to_membranes(mirrored(p))) * fbm3(p * 9.0, 2, 80);
+    return d + 0.012 * smooth_step(0.03, 0.08, to_membranes(mirrored(p))) * fbm3(p * 9.0, 2, 80);
   }
 
   struct Place {
@@ -190,7 +190,7 @@ class Dragon {
   // 8 and more: the wings' skin. 6 and 7: the spine, above it (turn > 0 apart from turn < 0); else by the axis that a
   // triangle faces.
   int group(glm::dvec3 middle, glm::dvec3 normal) const {
-    if (to_membranes(mirrored(middle)) < 0.02) return skin + box_group(normal);
+    if (to_membranes(mirrored(middle)) < 0.012) return skin + box_group(normal);
     const Place place = on_spine(middle);
     if (place.off_m > 0.09 || to_head(middle) < place.off_m + 0.02) return box_group(normal);
     return place.turn >= 0 ? 6 : 7;
@@ -211,7 +211,7 @@ class Dragon {
     const double under = smooth_step(1.75, 2.35, std::abs(place.turn));
     glm::dvec3 c = glm::mix(back, belly, place.off_m < 0.06 ? under : 0.0);
     c *= 1 + 0.6 * fbm3(p * 3.0, 3, 81);
-    if (to_membranes(mirrored(p)) < 0.03) c = wing * (1 + 0.5 * fbm3(p * 4.0, 3, 82));
+    if (to_membranes(mirrored(p)) < 0.012) c = wing * (1 + 0.5 * fbm3(p * 4.0, 3, 82));
     if (to_spikes(p) < 0.02 && place.off_m > 0.015)
       c = glm::mix(c, glm::dvec3(0.5, 0.32, 0.12), smooth_step(0.015, 0.1, place.off_m));
     if (to_horns(p) < 0.02 || to_claws(mirrored(p)) < 0.015) c = horn * (1 + 0.3 * fbm3(p * 14.0, 2, 83));
@@ -289,7 +289,7 @@ class Dragon {
     d = std::min(d, to_triangle(p, wrist, tips[2], elbow));
     web(elbow, tips[2], hip_end);
     d = std::min(d, to_triangle(p, elbow, hip_end, shoulder));
-    return d - 0.028;
+    return d - 0.036;
   }
   static double to_wing(glm::dvec3 p) {
     double d = to_round_cone(p, shoulder - glm::dvec3(0.1, 0.12, 0), 0.13, elbow, 0.08);
@@ -417,7 +417,7 @@ void add_dragon(GlbWriter& out) {
   const int material = out.material("dragon", hide);
   const Dragon dragon;
   const ImplicitMesh mesh =
-      mesh_implicit([&](glm::dvec3 p) { return dragon.field(p); }, {-2.6, -0.2, -1.75}, {2.6, 3.45, 2.2}, 0.05, 1.5);
+      mesh_implicit([&](glm::dvec3 p) { return dragon.field(p); }, {-2.6, -0.2, -1.75}, {2.6, 3.75, 2.2}, 0.0445, 1.5);
   // Scales, and the skin between the wings' fingers.
   std::array<ImplicitMesh, 2> parts;
   for (ImplicitMesh& part : parts) part.position = mesh.position, part.normal = mesh.normal;

@@ -120,6 +120,18 @@ void add_daylight(GlbWriter& out) {
   out.node("daylight", {{"translation", vector_json(shaft_top)},
                         {"rotation", quaternion_json(turn)},
                         {"extensions", {{"KHR_lights_punctual", {{"light", light}}}}}});
+  // What pool and island throw back of it onto the bunny, from below.
+  const int bounce = out.light({{"name", "bounce"},
+                                {"type", "spot"},
+                                {"color", vector_json({1, 0.86, 0.68})},
+                                {"intensity", 4},
+                                {"range", 4.5},
+                                {"spot", {{"innerConeAngle", 0.2}, {"outerConeAngle", 0.5}}}});
+  const glm::dvec3 from(1.2, 0.05, -0.1);
+  const glm::dquat up = glm::quat_cast(glm::dmat3(look_at_pose(from, {island.x, 1.0, island.y})));
+  out.node("bounce", {{"translation", vector_json(from)},
+                      {"rotation", quaternion_json(up)},
+                      {"extensions", {{"KHR_lights_punctual", {{"light", bounce}}}}}});
 }
 
 }  // namespace

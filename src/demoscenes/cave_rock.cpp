@@ -34,7 +34,7 @@ TilePoint rock_point(double u, double v, uint64_t seed) {
   p.color = glm::mix(clay, lime, smooth_step(0.3, 0.7, broad)) * (0.72 + 0.4 * fine) * (0.92 + 0.16 * grain) *
             (1 - 0.55 * crack) * (1 - 0.22 * wet);
   p.height_m = 0.06 * broad + 0.03 * fine + 0.004 * grain * (1 - wet) - 0.03 * crack;
-  p.roughness = std::clamp(0.92 - 0.2 * wet + 0.1 * (grain - 0.5), 0.7, 0.95);
+  p.roughness = std::clamp(0.92 - 0.2 * wet + 0.1 * (grain - 0.5), 0.76, 0.95);
   return p;
 }
 
@@ -48,7 +48,7 @@ double pool_at(glm::dvec2 at) {
 
 struct Wall {
   glm::dvec3 centre{4.15, 2.3, -8.5}, right, up{0, 1, 0}, front;
-  double width = 6.6, height = 6.4;
+  double width = 5.8, height = 5.2;
 };
 Wall wall() {
   Wall w;
@@ -94,11 +94,10 @@ void add_wall(GlbWriter& out, uint64_t seed) {
   constexpr int size = 512;
   constexpr double tile_m = 3.2;
   out.use_extension("CANDELA_relief");
-  const int heights =
-      out.texture("wall heights",
-                  png_from(size / 4, size / 4, 3,
-                           [&](double u, double v) { return glm::dvec4(glm::dvec3(masonry_at(u, v, seed).depth), 1); }),
-                  trilinear());
+  const int heights = out.texture(
+      "wall heights",
+      png_from(96, 96, 3, [&](double u, double v) { return glm::dvec4(glm::dvec3(masonry_at(u, v, seed).depth), 1); }),
+      trilinear());
   const int colors = out.texture(
       "wall colour",
       png_from(size, size, 3,
@@ -112,7 +111,7 @@ void add_wall(GlbWriter& out, uint64_t seed) {
                  return glm::dvec4(srgb_of(glm::min(color, 1.0)), 1);
                }),
       trilinear());
-  json stones = pbr_textured(colors, 0, 0.7);
+  json stones = pbr_textured(colors, 0, 0.85);
   stones["extensions"]["CANDELA_relief"] = {{"heightTexture", {{"index", heights}}}, {"depth", 0.02}};
   const int material = out.material("wall", stones);
   const Wall w = wall();
@@ -127,7 +126,7 @@ void add_wall(GlbWriter& out, uint64_t seed) {
   out.node("wall", {{"mesh", out.mesh("wall", out.primitive(shape), material)}});
   // It deepens while the second shot looks at it, and flattens.
   const std::array times{0.0, 5.2, 6.6, 7.2, 8.4, 9.5, 11.0, 13.0, 15.0};
-  const std::array depths{0.0, 0.0, 0.26, 0.26, 0.02, 0.16, 0.22, 0.04, 0.18};
+  const std::array depths{0.0, 0.0, 0.2, 0.2, 0.02, 0.12, 0.17, 0.03, 0.15};
   out.animate_pointer(fmt::format("/materials/{}/extensions/CANDELA_relief/depth", material), "LINEAR", times, depths,
                       1);
 }

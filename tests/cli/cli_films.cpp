@@ -4,19 +4,19 @@
 
 #include "program.h"
 
-namespace candela::test::cli_city {
+namespace candela::test::cli_films {
 
 namespace fs = std::filesystem;
 using Arguments = std::vector<std::string>;
 
-// The night of the film city, with all its lights, cars, people and the blob: a frame has the same bytes alone, in
-// order, backwards and in shards.
-TEST(CityFilm, AFrameIsTheSameAloneInOrderAndInShards) {
+// Frame 200 of a film has the same bytes alone, in order, backwards and in shards.
+void expect_the_same_frames(const std::string& scene) {
   const TestFolder folder;
-  ASSERT_EQ(candela({"make-scene", "city", "-o", folder / "city.glb"}).code, 0);
+  const std::string file = folder / (scene + ".glb");
+  ASSERT_EQ(candela({"make-scene", scene, "-o", file}).code, 0);
   const auto film = [&](const std::string& into, const std::string& frames, const Arguments& more = {}) {
     Arguments words = {"sequence",
-                       folder / "city.glb",
+                       file,
                        "--size",
                        "64x36",
                        "--quality",
@@ -46,4 +46,10 @@ TEST(CityFilm, AFrameIsTheSameAloneInOrderAndInShards) {
   EXPECT_NE(bytes_of(folder / "order/0199.png"), alone);
 }
 
-}  // namespace candela::test::cli_city
+// The night of the city, with all its lights, cars, people and the blob.
+TEST(CityFilm, AFrameIsTheSameAloneInOrderAndInShards) { expect_the_same_frames("city"); }
+
+// The wall of the cave, whose relief moves, and the lamps that pass it.
+TEST(CaveFilm, AFrameIsTheSameAloneInOrderAndInShards) { expect_the_same_frames("cave-film"); }
+
+}  // namespace candela::test::cli_films

@@ -168,22 +168,22 @@ class Dragon {
   }
 
   struct Place {
-    double along_m, turn, radius;
+    double along_m, turn;
     double off_m;  // from the spine's skin
   };
   Place on_spine(glm::dvec3 p) const {
-    Place best{0, 0, 1, 1e9};
+    size_t span = 0;
+    double along = 0, off_m = 1e9;
     for (size_t i = 0; i + 1 < spine_.size(); ++i) {
       double t = 0;
       const double d = to_round_cone(p, spine_[i].at, spine_[i].radius, spine_[i + 1].at, spine_[i + 1].radius, &t);
-      if (d >= best.off_m) continue;
-      const glm::dvec3 way = glm::normalize(spine_[i + 1].at - spine_[i].at), up = upward(way),
-                       side = glm::cross(up, way);
-      const glm::dvec3 off = p - glm::mix(spine_[i].at, spine_[i + 1].at, t);
-      best = {glm::mix(length_[i], length_[i + 1], t), std::atan2(glm::dot(off, side), glm::dot(off, up)),
-              glm::mix(spine_[i].radius, spine_[i + 1].radius, t), d};
+      if (d < off_m) span = i, along = t, off_m = d;
     }
-    return best;
+    const Bone a = spine_[span], b = spine_[span + 1];
+    const glm::dvec3 way = glm::normalize(b.at - a.at), up = upward(way), side = glm::cross(up, way);
+    const glm::dvec3 off = p - glm::mix(a.at, b.at, along);
+    return {glm::mix(length_[span], length_[span + 1], along), std::atan2(glm::dot(off, side), glm::dot(off, up)),
+            off_m};
   }
 
   static constexpr int skin = 8;

@@ -191,12 +191,15 @@ double air(glm::dvec3 p) {
   constexpr std::array<glm::dvec3, 6> columns{
       {{-2.9, 0.36, 1.5}, {3.7, 0.42, 0.5}, {-6.0, 0.5, -2.2}, {1.5, 0.55, -9.3}, {-1.2, 0.3, -8.6}, {5.6, 0.4, -3.9}}};
   for (const glm::dvec3& c : columns) {
+    const double away = glm::length(glm::dvec2(q.x - c.x, q.z - c.z));
+    if (away - (2.5 * c.y + 0.15) > 0.5 - d) continue;  // no part in the blend
     const double up = std::clamp(p.y - 2.1, -3.0, 3.5);
     const double radius = c.y * (0.8 + 0.11 * up * up) * (1 + 0.14 * noise3({p.y * 2.2, c.x, c.z}, 20)) +
                           0.12 * fbm3(p * glm::dvec3(3, 0.8, 3), 2, 21);
-    const double to = glm::length(glm::dvec2(q.x - c.x, q.z - c.z)) - radius;
-    if (to < 2) d = smooth_max(d, -to, 0.5);
+    d = smooth_max(d, radius - away, 0.5);
   }
+  constexpr double highest_floor_m = 2;
+  if (d > highest_floor_m - p.y + 0.35) return d;
   return smooth_max(d, floor_height({p.x, p.z}) - p.y, 0.35);
 }
 

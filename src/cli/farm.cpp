@@ -20,6 +20,7 @@
 #include "farm/writers.h"
 #include "gltf/gltf.h"
 #include "gpu/device.h"
+#include "render/film_frames.h"
 
 extern char** environ;
 

@@ -108,10 +108,10 @@ auto progress_of(ProgressLine& line, std::optional<RunRecorder>& recorder) {
   };
 }
 
-int interrupted(const SequenceOptions& o, const SequenceSettings& settings, const SequenceResult& result,
-                HeldSignals& held, std::optional<RunRecorder>& recorder) {
-  log::warning("interrupted after {} of {} frames; {}", result.rendered + result.skipped, settings.frames.size(),
-               o.video.empty() ? "the same command with --resume goes on" : "the video was not written");
+int interrupted(const SequenceSettings& settings, const SequenceResult& result, HeldSignals& held,
+                std::optional<RunRecorder>& recorder) {
+  log::warning("interrupted after {} of {} frames; the same command with --resume goes on",
+               result.rendered + result.skipped, settings.frames.size());
   if (recorder) recorder->end(128 + held.pending(), "interrupted");  // `held` lets the signal end the program
   return 128 + held.pending();
 }
@@ -163,7 +163,7 @@ Expected<int> render(const SequenceOptions& o, const Job& job, std::optional<Run
   const auto result = run_sequence(**session, job, *settings);
   progress.end();
   if (!result) return std::unexpected(with_first_pass(result.error(), **session, settings->rate));
-  if (result->stopped) return interrupted(o, *settings, *result, held, recorder);
+  if (result->stopped) return interrupted(*settings, *result, held, recorder);
   log::info("{} frames rendered, {} were there", result->rendered, result->skipped);
   if (auto reported = write_reports(o, job, *result, **session, warnings); !reported)
     return std::unexpected(reported.error());
@@ -199,7 +199,7 @@ Expected<int> trace(const SequenceOptions& o, const FilmJob& film, std::optional
   const auto result = run_sequence(**maker, job, *settings);
   progress.end();
   if (!result) return std::unexpected(result.error());
-  if (result->stopped) return interrupted(o, *settings, *result, held, recorder);
+  if (result->stopped) return interrupted(*settings, *result, held, recorder);
   log::info("{} frames traced, {} were there", result->rendered, result->skipped);
   if (!o.job.json) return 0;
   Json j;
@@ -246,7 +246,9 @@ void add_sequence(CLI::App& app, Action& action) {
   auto o = std::make_shared<SequenceOptions>();
   CLI::App* command = app.add_subcommand("sequence", "Render a list of frames to files or a video");
   add_film_options(*command, *o);
-  command->add_flag("--resume", o->resume, "Leave out frames whose files are whole and hold this job's picture");
+  command->add_flag(
+      "--resume", o->resume,
+      "Leave out frames whose files, or those kept beside --video, are whole and hold this job's picture");
   command->add_option("--shard", o->shard, "Part I of N of the list: every N-th frame from the I-th on")
       ->capture_default_str()
       ->type_name("I/N");

@@ -4,6 +4,7 @@
 
 #include "base/text.h"
 #include "cli/result.h"
+#include "render/film_frames.h"
 
 namespace candela::cli {
 
@@ -171,6 +172,7 @@ Expected<SequenceSettings> read_sequence(const SequenceOptions& o, const Job& jo
   settings.in_flight = o.in_flight;
   settings.encoders = o.encoders;
   settings.video = o.video;
+  if (!o.video.empty() && film_output(o.outputs) < 0) settings.kept = kept_frames(o.video);
   settings.audio = o.audio;
   settings.keep_spans = !o.trace.empty();
   return settings;

@@ -7,7 +7,4 @@ namespace candela {
 // --video` gives. All frames must be there.
 Expected<void> make_farm_film(const FarmJob& job);
 
-// Which of the outputs a film can be made of, a PNG; -1: none.
-int film_output(const std::vector<std::string>& outputs);
-
 }  // namespace candela

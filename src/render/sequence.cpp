@@ -5,12 +5,14 @@
 #include <future>
 #include <set>
 
+#include "base/check.h"
 #include "base/file_uses.h"
 #include "base/files.h"
 #include "base/log.h"
 #include "image/prepare.h"
 #include "job/picture_window.h"
 #include "render/current_error.h"
+#include "render/film_frames.h"
 #include "render/outputs.h"
 #include "render/video.h"
 
@@ -18,10 +20,27 @@ namespace candela {
 namespace fs = std::filesystem;
 namespace {
 
-std::vector<fs::path> paths_of(const SequenceSettings& settings, int64_t frame) {
+std::vector<fs::path> named_paths(const SequenceSettings& settings, int64_t frame) {
   std::vector<fs::path> paths;
   for (const FramePattern& pattern : settings.patterns) paths.emplace_back(pattern.name(frame));
   return paths;
+}
+
+std::vector<fs::path> paths_of(const SequenceSettings& settings, int64_t frame) {
+  std::vector<fs::path> paths = named_paths(settings, frame);
+  if (settings.kept) paths.emplace_back(settings.kept->name(frame));
+  return paths;
+}
+
+// The file that a film has its frame from where it was rendered before.
+fs::path film_frame(const SequenceSettings& settings, int64_t frame) {
+  if (settings.kept) return settings.kept->name(frame);
+  const auto png = std::ranges::find_if(settings.patterns, [](const FramePattern& pattern) {
+    const auto format = output_format(pattern.name(0));
+    return format && *format == OutputFormat::png;
+  });
+  CHECK(png != settings.patterns.end());
+  return png->name(frame);
 }
 
 void remove_stale_files(const SequenceSettings& settings) {
@@ -112,15 +131,40 @@ class Run {
       auto video = VideoWriter::open(settings_.video, settings_.audio, data.width, data.height, settings_.rate);
       if (!video) return std::unexpected(video.error());
       video_ = std::move(*video);
+      was_there_.resize(settings_.frames.size());
     }
-    const auto rendered = render_all();
-    if (!rendered) return std::unexpected(rendered.error());
-    if (video_ && !result_.stopped)
-      if (auto finished = video_->finish(); !finished) return std::unexpected(finished.error());
+    if (settings_.kept)
+      if (auto ready = prepare_output(settings_.kept->name(settings_.frames[0])); !ready)
+        return std::unexpected(ready.error());
+    const auto made = make_all();
+    if (made && !result_.stopped)
+      remove_kept();
+    else
+      say_what_is_kept();
+    if (!made) return std::unexpected(made.error());
     return std::move(result_);
   }
 
  private:
+  Expected<void> make_all() {
+    if (auto rendered = render_all(); !rendered) return rendered;
+    if (!video_ || result_.stopped) return {};
+    if (auto added = add_frames_that_were_there(); !added) return added;
+    return video_->finish();
+  }
+
+  void remove_kept() const {
+    if (settings_.kept) remove_kept_frames(settings_.video);
+  }
+
+  void say_what_is_kept() const {
+    if (!settings_.kept) return;
+    const fs::path folder = fs::path(settings_.kept->name(0)).parent_path();
+    std::error_code failed;
+    if (fs::remove(folder, failed); fs::exists(folder, failed))  // an empty one goes
+      log::info("{} holds the frames made so far; the same command with --resume goes on from them", folder.string());
+  }
+
   Expected<void> render_all() {
     const FileThreads threads(limits_.workers == 1 || settings_.frames.size() < limits_.workers);
     EncoderPool encoder(limits_, [this](FinishedFrame& frame, size_t worker) { return encode(frame, worker); });
@@ -155,6 +199,7 @@ class Run {
       if (settings_.claim && !settings_.claim(i)) continue;
       if (settings_.resume && (settings_.claim ? holds_its_frame(number) : is_done(i))) {
         ++result_.skipped;
+        if (video_) was_there_[i] = 1;
         if (settings_.finished) settings_.finished(i, false);
         report(number);
         continue;
@@ -269,9 +314,23 @@ class Run {
       if (auto placed = file.put_in_place(); !placed) return std::unexpected(in_frame(number, placed.error()));
     for (const std::string& warning : warnings) log::warning("frame {}: {}", number, warning);
     if (settings_.finished) settings_.finished(place_of(number), true);
-    if (video_)
+    if (video_) {
+      if (auto added = add_frames_that_were_there(); !added) return added;
       if (auto added = video_->add(prepared.display); !added) return added;
+      ++video_next_;
+    }
     add_sums(result_.timings, std::move(timings), settings_.keep_spans);  // read again after the threads have ended
+    return {};
+  }
+
+  // Those that come next in the film.
+  Expected<void> add_frames_that_were_there() {
+    for (; video_next_ < was_there_.size() && was_there_[video_next_] != 0; ++video_next_) {
+      const int64_t number = settings_.frames[video_next_];
+      const auto image = read_film_frame(film_frame(settings_, number), job_.width_px, job_.height_px);
+      if (!image) return std::unexpected(in_frame(number, image.error()));
+      if (auto added = video_->add(*image); !added) return added;
+    }
     return {};
   }
 
@@ -284,6 +343,10 @@ class Run {
   const SequenceSettings& settings_;
   SequenceResult result_;
   std::unique_ptr<VideoWriter> video_;
+  // By index of the frame: the film has it from its file. Those before a frame are set before it is pushed, so that
+  // the thread that completes it reads what is no longer written.
+  std::vector<uint8_t> was_there_;
+  size_t video_next_ = 0;      // index of the film's next frame
   std::deque<int64_t> begun_;  // in order
   EncoderLimits limits_;
   std::vector<uint8_t> done_;  // by index of the frame: its files were there. As far as looked
@@ -297,7 +360,7 @@ Expected<void> declare_files(const SequenceSettings& settings) {
   if (!settings.audio.empty()) note_read({"--audio", settings.audio});
   std::vector<NamedFile> files;
   for (const int64_t frame : settings.frames)
-    for (fs::path& path : paths_of(settings, frame)) files.push_back({"-o", std::move(path)});
+    for (fs::path& path : named_paths(settings, frame)) files.push_back({"-o", std::move(path)});
   if (!settings.video.empty()) files.push_back({"--video", settings.video});
   return declare_outputs(files);
 }
@@ -323,12 +386,10 @@ Expected<void> check_sequence(const SequenceSettings& settings) {
   if (auto fine = declare_files(settings); !fine) return fine;
   std::set<fs::path> folders;
   for (const int64_t frame : settings.frames)
-    for (const fs::path& path : paths_of(settings, frame))
+    for (const fs::path& path : named_paths(settings, frame))
       if (folders.insert(path.parent_path()).second)
         if (auto ready = prepare_output(path); !ready) return ready;
   if (!settings.video.empty()) {
-    if (settings.resume)
-      return fail(ErrorKind::usage, "--resume", "does not go with --video, which needs every frame of one run");
     if (auto good = check_video(settings.video, settings.audio); !good) return good;
   } else if (!settings.audio.empty()) {
     return fail(ErrorKind::usage, "--audio", "goes with --video");

@@ -24,6 +24,7 @@ struct SequenceSettings {
   std::vector<FramePattern> patterns;
   bool resume = false;  // leave out frames whose files all are whole and hold this job's picture
   std::filesystem::path video, audio;
+  std::optional<FramePattern> kept;        // where frames of the film lie until it is made; none: a pattern is a PNG
   int in_flight = 0;                       // frames begun before the first of them is finished; 0: as the session says
   int encoders = 0;                        // threads that encode and write; 0: as many as cores
   bool keep_spans = false;                 // for a trace; grows with the number of frames

@@ -85,7 +85,7 @@ TEST(Video, NoEndLeavesATemporaryForEver) {
   const Arguments endless = {"sequence", scene("animated"), "--frames", "0-9999",        "--size",
                              "64x36",    "--quiet",         "--video",  folder / "a.mp4"};
   ASSERT_TRUE(candela_killed_after(endless, 900, SIGHUP));
-  EXPECT_TRUE(files_in(folder.path()).empty()) << files_in(folder.path())[0];
+  for (const std::string& name : files_in(folder.path())) EXPECT_EQ(name, "a.mp4.frames");
   ASSERT_TRUE(candela_killed_after(endless, 900, SIGKILL));
   // ffmpeg has the last word on what it was given; then a temporary lies there.
   ASSERT_EQ(candela({"sequence", scene("animated"), "--frames", "0-1", "--size", "64x36", "--quiet", "--video",
@@ -93,6 +93,85 @@ TEST(Video, NoEndLeavesATemporaryForEver) {
                 .code,
             0);
   EXPECT_EQ(files_in(folder.path()), (Arguments{"a.mp4"}));
+}
+
+Arguments film_of_200(const std::string& video) {
+  return {"sequence",  scene("animated"), "--frames", "0-199",   "--size", "64x36",
+          "--quality", "draft",           "--quiet",  "--video", video};
+}
+
+size_t frames_beside(const std::string& video) {
+  return fs::exists(video + ".frames") ? size_t(std::ranges::count_if(files_in(video + ".frames"),
+                                                                      [](const std::string& n) { return n[0] != '.'; }))
+                                       : 0;
+}
+
+// However a run ends, frames that were made are made no more, and the film is the one of an uninterrupted run.
+TEST(Video, GoesOnFromTheFramesThatAreThere) {
+  if (run_program({"ffmpeg", "-version"}).code != 0) GTEST_SKIP() << "ffmpeg is not installed";
+  TestFolder folder;
+  const std::string whole = folder / "whole.mp4", film = folder / "film.mp4";
+  ASSERT_EQ(candela(film_of_200(whole)).code, 0);
+  Arguments again = film_of_200(film);
+  again.insert(again.end(), {"--resume", "--json"});
+  size_t there = 0;
+  for (const auto& [frame, signal] : std::vector<std::pair<int, int>>{{33, SIGKILL}, {80, SIGINT}, {120, SIGKILL}}) {
+    const std::string file = film + ".frames/" + std::to_string(1000000 + frame).substr(1) + ".png";
+    ASSERT_TRUE(candela_killed_once_written(again, file, signal)) << frame;
+    EXPECT_FALSE(fs::exists(film));
+    EXPECT_GT(frames_beside(film), std::max(there, size_t(frame)));
+    there = frames_beside(film);
+  }
+  const Ended ended = candela(again);
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const Json result = Json::parse(ended.out);
+  EXPECT_EQ(result["skipped"], there);
+  EXPECT_EQ(result["rendered"], 200 - there);
+  EXPECT_EQ(bytes_of(film), bytes_of(whole));
+  EXPECT_EQ(files_in(folder.path()), (Arguments{"film.mp4", "whole.mp4"}));
+}
+
+// A frame that is damaged, or of another picture, is made again; those that a killed run left out of order are used.
+TEST(Video, TakesNoFrameThatIsNotOfThisFilm) {
+  if (run_program({"ffmpeg", "-version"}).code != 0) GTEST_SKIP() << "ffmpeg is not installed";
+  TestFolder folder;
+  const std::string film = folder / "film.mp4", kept = film + ".frames/";
+  const auto sequence = [&](const std::string& to, const Arguments& more) {
+    Arguments words = {"sequence", scene("animated"), "--frames", "0-5", "--size", "64x36", "--json", "--quiet"};
+    words.insert(words.end(), {"--video", to});
+    words.insert(words.end(), more.begin(), more.end());
+    return candela(words);
+  };
+  ASSERT_EQ(sequence(folder / "whole.mp4", {}).code, 0);
+  ASSERT_EQ(
+      candela({"sequence", scene("animated"), "--frames", "1-4", "--size", "64x36", "-o", kept + "%06d.png"}).code, 0);
+  ASSERT_EQ(candela({"sequence", scene("animated"), "--frames", "5", "--size", "64x36", "--exposure", "1", "-o",
+                     kept + "%06d.png"})
+                .code,
+            0);
+  fs::resize_file(kept + "000001.png", fs::file_size(kept + "000001.png") / 2);
+  const Ended ended = sequence(film, {"--resume"});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  EXPECT_EQ(Json::parse(ended.out)["skipped"], 3);
+  EXPECT_EQ(bytes_of(film), bytes_of(folder / "whole.mp4"));
+  EXPECT_FALSE(fs::exists(kept));
+}
+
+// With PNG files of its own a film needs no others, and these stay.
+TEST(Video, GoesOnFromItsOwnPngFiles) {
+  if (run_program({"ffmpeg", "-version"}).code != 0) GTEST_SKIP() << "ffmpeg is not installed";
+  TestFolder folder;
+  const Arguments words = {"sequence",       scene("animated"), "--frames", "0-5",     "--size",         "64x36",
+                           "--json",         "--quiet",         "--resume", "--video", folder / "a.mp4", "-o",
+                           folder / "%d.png"};
+  ASSERT_EQ(candela(words).code, 0);
+  const std::string whole = bytes_of(folder / "a.mp4");
+  fs::remove(folder / "a.mp4"), fs::remove(folder / "3.png");
+  const Ended ended = candela(words);
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  EXPECT_EQ(Json::parse(ended.out)["rendered"], 1);
+  EXPECT_EQ(bytes_of(folder / "a.mp4"), whole);
+  EXPECT_EQ(files_in(folder.path()), (Arguments{"0.png", "1.png", "2.png", "3.png", "4.png", "5.png", "a.mp4"}));
 }
 
 }  // namespace

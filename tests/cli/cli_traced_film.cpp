@@ -170,8 +170,7 @@ TEST(TracedFilm, OptionsOfTheOtherMakerAreErrors) {
   for (const auto& [more, word] :
        std::vector<std::pair<Arguments, std::string>>{{{"--layers", "varianc"}, "variance"},
                                                       {{"--view", "heatmap_lights"}, "heatmap"},
-                                                      {{"--bounces", "2"}, "--mode path"},
-                                                      {{"--resume", "--video", folder / "a.mp4"}, "--resume"}}) {
+                                                      {{"--bounces", "2"}, "--mode path"}}) {
     const Ended ended = candela(film(out, more));
     EXPECT_EQ(ended.code, 2) << ended.err;
     EXPECT_NE(ended.err.find(word), std::string::npos) << ended.err;

@@ -218,7 +218,6 @@ TEST(Usage, EveryRefusalIsExitTwoAndNamesTheOption) {
       {{"sequence", box, "--frames", "0-9", "-o", "%04d.exr", "--shard", "3/2"}, "--shard"},
       {{"sequence", box, "--frames", "0-9", "-o", "%04d.exr", "-o", "./%04d.exr"}, "twice"},
       {{"sequence", box, "--frames", "0-9", "-o", "%04d.exr", "--audio", "a.wav"}, "--video"},
-      {{"sequence", box, "--frames", "0-9", "--video", "x.mp4", "--resume"}, "--resume"},
       {{"compare", "a.png"}, "two images"},
       {{"sheet", "-o", "x.png"}, "PICTURE"},
       {{"sheet", "a.png"}, "-o"},

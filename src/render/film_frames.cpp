@@ -1,0 +1,68 @@
+#include "render/film_frames.h"
+
+#include <algorithm>
+
+#include "base/files.h"
+#include "base/input.h"
+#include "image/io.h"
+
+namespace candela {
+namespace fs = std::filesystem;
+namespace {
+
+fs::path kept_folder(const fs::path& film) { return film.string() + ".frames"; }
+
+// A frame, or what is left of one that was being written when its run was killed.
+bool is_kept_frame(const fs::path& file) {
+  const std::string digits = file.stem().string();
+  return file.extension() == ".png" &&
+         (digits.starts_with(".candela-") ||
+          (digits.size() >= 6 && std::ranges::all_of(digits, [](char c) { return c >= '0' && c <= '9'; })));
+}
+
+}  // namespace
+
+int film_output(const std::vector<std::string>& outputs) {
+  for (size_t i = 0; i < outputs.size(); ++i)
+    if (const auto format = output_format(outputs[i]); format && *format == OutputFormat::png) return int(i);
+  return -1;
+}
+
+FramePattern kept_frames(const fs::path& film) {
+  using Piece = FramePattern::Piece;
+  const std::string folder = kept_folder(film).string();
+  return {.pieces = {Piece{.kind = Piece::Kind::text, .text = folder + "/"},
+                     Piece{.kind = Piece::Kind::frame, .text = {}, .digits = 6},
+                     Piece{.kind = Piece::Kind::text, .text = ".png"}},
+          .given = folder,
+          .numbered = true};
+}
+
+void remove_kept_frames(const fs::path& film) {
+  const fs::path folder = kept_folder(film);
+  std::error_code failed;
+  std::vector<fs::path> frames;
+  for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed))
+    if (is_kept_frame(at->path())) frames.push_back(at->path());
+  for (const fs::path& frame : frames) fs::remove(frame, failed);
+  fs::remove(folder, failed);  // fails where something else is in it
+}
+
+Expected<DisplayImage> read_film_frame(const fs::path& file, int width_px, int height_px) {
+  const auto bytes = read_file(file);
+  if (!bytes) return std::unexpected(bytes.error());
+  auto decoded = decode_image(*bytes, file.string());
+  if (!decoded) return std::unexpected(decoded.error());
+  if (decoded->format != DecodedImage::Format::rgba8)
+    return fail(ErrorKind::input, file.string(), "has more than 8 bits a channel, which a film has not");
+  if (decoded->width != width_px || decoded->height != height_px)
+    return fail(ErrorKind::input, file.string(), "is {}x{} and the film {}x{}", decoded->width, decoded->height,
+                width_px, height_px);
+  return DisplayImage{.width = decoded->width,
+                      .height = decoded->height,
+                      .channels = 4,
+                      .bits = 8,
+                      .pixels = std::move(decoded->pixels)};
+}
+
+}  // namespace candela

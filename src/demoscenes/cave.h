@@ -16,7 +16,7 @@ constexpr double end_s = 15, frames_per_s = 24;
 constexpr double first_cut_s = 5, second_cut_s = 9.5;
 constexpr double water_m = -0.2;
 constexpr glm::dvec2 island{0.4, -2.2}, ledge{-4.2, -6.0};  // x and z
-constexpr glm::dvec3 shaft_top{1.3, 9.0, 0.45};            // of the light from above
+constexpr glm::dvec3 shaft_top{1.3, 9.0, 0.45};             // of the light from above
 
 json trilinear();  // a sampler with mip levels
 double floor_height(glm::dvec2 at);

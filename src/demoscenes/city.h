@@ -26,6 +26,12 @@ constexpr double lane_m = 1.8;  // from the middle of a road to the middle of a 
 constexpr int block_columns = 2, block_rows = 3;
 constexpr glm::dvec2 square_centre{32, -32};  // x and z
 glm::dvec3 camera_at(double time_s);
+glm::dvec3 camera_target(double time_s);
+// The saucer comes from behind the roofs, and its beam takes the body up.
+constexpr double appear_s = second_cut_s - 0.05, arrive_s = 15.0, leave_s = 18.3;
+constexpr double lift_from_s = 15.7, lift_to_s = 18.1;
+constexpr double beam_from_s = 14.9, beam_full_s = 15.3, beam_to_s = 18.1, beam_off_s = 18.6;
+glm::dvec3 saucer_at(double time_s);
 
 glm::dvec2 block_centre(int column, int row);
 bool is_square(int column, int row);

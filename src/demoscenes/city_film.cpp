@@ -35,6 +35,11 @@ View view_at(const Shot& shot, double t) {
           shot.first.yfov_deg + (shot.last.yfov_deg - shot.first.yfov_deg) * s};
 }
 
+const Shot& shot_at(double time_s) {
+  const auto shot = std::ranges::find_if(shots, [&](const Shot& s) { return time_s < s.to_s; });
+  return shot == shots.end() ? shots.back() : *shot;
+}
+
 void add_camera(GlbWriter& out) {
   const int camera = out.camera(
       {{"type", "perspective"}, {"perspective", {{"yfov", number(shots[0].first.yfov_deg * rad)}, {"znear", 0.1}}}});
@@ -99,10 +104,8 @@ glm::dvec3 sun_direction(double time_s) {
   return {std::cos(elevation) * std::sin(azimuth), std::sin(elevation), -std::cos(elevation) * std::cos(azimuth)};
 }
 
-glm::dvec3 camera_at(double time_s) {
-  const auto shot = std::ranges::find_if(shots, [&](const Shot& s) { return time_s < s.to_s; });
-  return view_at(shot == shots.end() ? shots.back() : *shot, time_s).eye;
-}
+glm::dvec3 camera_at(double time_s) { return view_at(shot_at(time_s), time_s).eye; }
+glm::dvec3 camera_target(double time_s) { return view_at(shot_at(time_s), time_s).target; }
 
 void add_city_film(Town& town) {
   add_sunlight(town.out);

@@ -14,12 +14,24 @@ namespace {
 
 using std::numbers::pi;
 constexpr glm::dvec3 hover{21.5, 11.3, -18.5};
-constexpr double lift_from_s = 15.7, lift_to_s = 18.1, leave_s = 18.3, arrive_s = 15.0, appear_s = second_cut_s - 0.05;
 
 double ease(double from, double to, double t) {
   const double u = std::clamp((t - from) / (to - from), 0.0, 1.0);
   return u * u * u * (u * (6 * u - 15) + 10);
 }
+
+}  // namespace
+
+glm::dvec3 saucer_at(double t) {
+  const double u = ease(appear_s - 1.2, arrive_s, t);
+  glm::dvec3 at = glm::mix(glm::dvec3(62, 74, -180), hover, u);
+  at.y += 9 * std::sin(pi * u) * u;  // it comes down last
+  at += glm::dvec3(0.25 * std::sin(1.9 * t), 0.22 * std::sin(2.6 * t), 0.2 * std::cos(1.6 * t)) * ease(13, 15, t);
+  const double away = std::max(t - leave_s, 0.0);
+  return at + glm::dvec3(26, 16, -30) * away * away * away * 0.75 + glm::dvec3(0, 3, 0) * away * away;
+}
+
+namespace {
 
 struct Stop {
   double time_s;
@@ -45,15 +57,6 @@ constexpr std::array<Stop, 9> blob_stops{{{0, {34, 0, -14}},
                                           {14.6, {21, 0, -18.2}},
                                           {15.4, {21.5, 0, -18.5}},
                                           {20, {21.5, 0, -18.5}}}};
-
-glm::dvec3 saucer_at(double t) {
-  const double u = ease(appear_s - 1.2, arrive_s, t);
-  glm::dvec3 at = glm::mix(glm::dvec3(62, 74, -180), hover, u);
-  at.y += 9 * std::sin(pi * u) * u;  // it comes down last
-  at += glm::dvec3(0.25 * std::sin(1.9 * t), 0.22 * std::sin(2.6 * t), 0.2 * std::cos(1.6 * t)) * ease(13, 15, t);
-  const double away = std::max(t - leave_s, 0.0);
-  return at + glm::dvec3(26, 16, -30) * away * away * away * 0.75 + glm::dvec3(0, 3, 0) * away * away;
-}
 
 glm::dvec3 blob_at(double t) {
   glm::dvec3 at = between(blob_stops, t);
@@ -282,7 +285,7 @@ void add_saucer(Town& town) {
                               {"color", vector_json({0.55, 0.95, 1})},
                               {"range", 46},
                               {"spot", {{"innerConeAngle", 0.13}, {"outerConeAngle", 0.2}}}});
-  const std::array on{0.0, 13.0, 13.3, 14.9, 15.3, 18.1, 18.45, 18.6};
+  const std::array on{0.0, 13.0, 13.3, beam_from_s, beam_full_s, beam_to_s, 18.45, beam_off_s};
   const std::array candela{0.0, 0.0, 4000.0, 5000.0, 12000.0, 12000.0, 1500.0, 0.0};
   out.animate_pointer(fmt::format("/extensions/KHR_lights_punctual/lights/{}/intensity", beam), "LINEAR", on, candela,
                       1);

@@ -11,8 +11,13 @@ const DemoScene table[] = {
      .make = make_city,
      .sky = make_city_day_sky,
      .night_sky = make_city_night_sky,
-     .look = city_look()},
-    {.name = "cave-film", .make = make_cave_film, .look = cave_look(), .texts = make_cave_texts},
+     .look = city_look(),
+     .sound = make_city_sound},
+    {.name = "cave-film",
+     .make = make_cave_film,
+     .look = cave_look(),
+     .texts = make_cave_texts,
+     .sound = make_cave_sound},
 };
 
 }  // namespace

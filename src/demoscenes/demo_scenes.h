@@ -16,6 +16,8 @@ void make_city(GlbWriter& out, SceneOptions& options);
 std::vector<std::byte> make_city_day_sky(uint64_t seed);
 std::vector<std::byte> make_city_night_sky(uint64_t seed);
 std::string_view city_look();
+std::vector<std::byte> make_city_sound(uint64_t seed);
+std::vector<std::byte> make_cave_sound(uint64_t seed);
 
 // A text beside the scene that its look names: the end of its name, after the scene's without its own end.
 struct DemoText {
@@ -33,6 +35,7 @@ struct DemoScene {
   std::vector<std::byte> (*night_sky)(uint64_t seed) = nullptr;
   std::string_view look{};  // SCENE stands for the name of the scene's file without its end
   std::vector<DemoText> (*texts)(uint64_t seed) = nullptr;
+  std::vector<std::byte> (*sound)(uint64_t seed) = nullptr;  // WAV
 };
 // Null for an unknown name.
 const DemoScene* find_demo_scene(std::string_view name);

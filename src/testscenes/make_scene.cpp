@@ -154,6 +154,9 @@ Expected<std::vector<SceneFile>> make_files_beside(const std::string& name, uint
   auto night = make_demo_scene(name, candela_demo_scene_night_sky, seed, 0);
   if (!night) return std::unexpected(night.error());
   if (!night->empty()) files.push_back({out.parent_path() / (out.stem().string() + "-night.hdr"), std::move(*night)});
+  auto sound = make_demo_scene(name, candela_demo_scene_sound, seed, 0);
+  if (!sound) return std::unexpected(sound.error());
+  if (!sound->empty()) files.push_back({std::filesystem::path(out).replace_extension(".wav"), std::move(*sound)});
   const auto look = make_demo_scene(name, candela_demo_scene_look, seed, 0);
   if (!look) return std::unexpected(look.error());
   files.push_back({std::filesystem::path(out).replace_extension(".look.json"), with_stem(*look, out)});

@@ -31,8 +31,8 @@ struct SceneFile {
   std::filesystem::path path;
   std::vector<std::byte> bytes;
 };
-// What lies beside a scene's file of that name: its sky, and of a film its look and what that names, a second sky or
-// files of paths and instances.
+// What lies beside a scene's file of that name: its sky, and of a film its sound, its look and what that names, a
+// second sky or files of paths and instances.
 Expected<std::vector<SceneFile>> make_files_beside(const std::string& name, uint64_t seed,
                                                    const std::filesystem::path& out);
 // The scene's file and what lies beside it.

@@ -48,6 +48,20 @@ class Pages(unittest.TestCase):
         self.assertGreater(len(read), 25)
         self.assertEqual([name for name in read if not re.search(rf"\b{name}\b", text)], [])
 
+    def test_run_films_makes_every_film(self):
+        rows = re.search(r"^films=\(\n(.*?)^\)", (ROOT / "run").read_text(), re.MULTILINE | re.DOTALL)[1]
+        given = {name: float(seconds) for name, seconds, _ in re.findall(r'"(\S+) (\S+) (\S+)"', rows)}
+        listed = subprocess.run([program(), "list", "scenes"], text=True, capture_output=True, check=True).stdout
+        films = {name: float(seconds) for name, seconds in re.findall(r"^ *(\S+) .*?a film of (\d+) s", listed, re.MULTILINE)}
+        self.assertEqual(given, films)
+
+    def test_run_films_refuses_what_it_does_not_know(self):
+        for words, said in ((["--film", "none"], "there are: city"), (["--seconds", "x"], "no number"),
+                            (["--size"], "usage"), (["--sizes", "1x1"], "usage")):
+            ended = subprocess.run([ROOT / "run", "films", *words], text=True, capture_output=True)
+            self.assertEqual(ended.returncode, 2, words)
+            self.assertIn(said, ended.stderr)
+
     def test_tests_beyond_the_gate_are_tests(self):
         sources = "".join(path.read_text() for path in (ROOT / "tests").rglob("*.cpp"))
         lines = [line for line in (ROOT / "tests/beyond_the_gate.txt").read_text().splitlines() if line[:1] != "#"]

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <numbers>
 #include <set>
@@ -10,6 +11,7 @@
 #include "gltf/gltf.h"
 #include "look/look.h"
 #include "scene/frame_data.h"
+#include "testscenes/demo_scene.h"
 #include "testscenes/make_scene.h"
 
 // The film scene city: what it promises of its lights, people, cars, cuts and look.
@@ -194,6 +196,33 @@ TEST(City, TheSeedChangesIt) {
   ASSERT_TRUE(one && other);
   EXPECT_NE(*one, *other);
   EXPECT_EQ(*one, *make_scene_bytes("city", 1, 0));
+}
+
+// PCM of 16 bits in two channels: how loud a stretch is, root mean square of both.
+double loudness(const std::vector<std::byte>& wav, double from_s, double to_s) {
+  constexpr size_t header = 44, rate = 32000;
+  double sum = 0;
+  const size_t from = 2 * size_t(from_s * rate), to = 2 * size_t(to_s * rate);
+  for (size_t i = from; i < to; ++i) {
+    int16_t sample = 0;
+    std::memcpy(&sample, wav.data() + header + 2 * i, 2);
+    EXPECT_LT(std::abs(int(sample)), 32000);
+    sum += double(sample) * double(sample);
+  }
+  return std::sqrt(sum / double(to - from)) / 32768;
+}
+
+TEST(City, SoundsLowAndTheSaucerIsHeardWhereItComes) {
+  const auto wav = make_demo_scene("city", candela_demo_scene_sound, 1, 0);
+  ASSERT_TRUE(wav.has_value());
+  EXPECT_EQ(*wav, *make_demo_scene("city", candela_demo_scene_sound, 1, 0));
+  ASSERT_EQ(wav->size(), 44u + 20 * 32000 * 4);
+  EXPECT_EQ(std::memcmp(wav->data(), "RIFF", 4), 0);
+  for (double t = 1; t < 19; t += 1) EXPECT_GT(loudness(*wav, t, t + 1), 0.02) << t;
+  EXPECT_LT(loudness(*wav, 0, 0.05), 0.01);  // no click at the ends
+  EXPECT_LT(loudness(*wav, 19.95, 20), 0.01);
+  EXPECT_GT(loudness(*wav, 15.5, 18), 1.3 * loudness(*wav, 2, 6));
+  EXPECT_GT(loudness(*wav, 15.5, 18), 2 * loudness(*wav, 19.4, 19.9));  // it is far away
 }
 
 }  // namespace candela

@@ -11,6 +11,7 @@ namespace {
 std::vector<std::byte> part_of(const DemoScene& scene, CandelaDemoScenePart part, uint64_t seed, int lights) {
   if (part == candela_demo_scene_sky) return scene.sky ? scene.sky(seed) : std::vector<std::byte>{};
   if (part == candela_demo_scene_night_sky) return scene.night_sky ? scene.night_sky(seed) : std::vector<std::byte>{};
+  if (part == candela_demo_scene_sound) return scene.sound ? scene.sound(seed) : std::vector<std::byte>{};
   if (part == candela_demo_scene_look) {
     const auto text = std::as_bytes(std::span(scene.look));
     return {text.begin(), text.end()};

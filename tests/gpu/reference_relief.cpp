@@ -10,7 +10,20 @@ TEST_F(ReferenceRelief, TheExactEndIsWhereTheReferencesRaysMeetIt) {
     const Fit fit = fit_of(job, true_depths(job));
     EXPECT_GT(fit.seen, 700u);
     EXPECT_LE(fit.missed, 2u) << "outlines alone";
-    EXPECT_LT(fit.rms, 2e-6);
+    EXPECT_LT(fit.rms, 2e-6) << fit.text();
+  }
+}
+
+// A flat floor deep below: its depth is the texel's value, times more than a float's roundings of the way there.
+TEST_F(ReferenceRelief, AFlatFloorLiesWhereItsTexelsSay) {
+  for (const int code : {1, 51, 100, 127, 201, 254}) {
+    Job job = seen_aslant(write(square_of(plain(code), 10, false, false)));
+    job.camera.eye = glm::dvec3(0.1, -0.2, 2), job.camera.target = glm::dvec3(0);
+    const std::vector<double> truth = true_depths(job);
+    const Fit fit = fit_of(job, truth);
+    EXPECT_EQ(fit.missed, 0u);
+    EXPECT_LT(fit.rms, 1e-6 * (2 + 10 * code / 255.0)) << "of " << code << "/255: " << fit.text() << ", of the layer "
+                                                       << fit.mean / 10;
   }
 }
 

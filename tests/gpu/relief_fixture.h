@@ -13,13 +13,16 @@ inline std::vector<std::byte> hills(int across) {
   return png_from(32, 32, 3,
                   [=](double u, double v) { return glm::dvec4(glm::dvec3(tiling_noise(u, v, across, 3)), 1); });
 }
+inline std::vector<std::byte> plain(int code) {
+  return png_from(4, 4, 3, [=](double, double) { return glm::dvec4(glm::dvec3(code / 255.0), 1); });
+}
 // A square of hills, aslant to the camera, with a cube that cuts through it.
-inline GltfBuilder hilly(double depth, bool silhouettes = true, bool with_cube = true, int across = 5) {
+inline GltfBuilder square_of(const std::vector<std::byte>& heights, double depth, bool silhouettes, bool with_cube) {
   GltfBuilder b = empty_scene();
   use_materials(b);
   b.use("CANDELA_relief");
   Json material = {{"pbrMetallicRoughness", base_color(0.8, 0.5, 0.3)}};
-  const int texture = add_texture(b, hills(across));
+  const int texture = add_texture(b, heights);
   if (depth >= 0)
     material["extensions"]["CANDELA_relief"] = {
         {"heightTexture", {{"index", texture}}}, {"depth", depth}, {"silhouettes", silhouettes}};
@@ -31,6 +34,9 @@ inline GltfBuilder hilly(double depth, bool silhouettes = true, bool with_cube =
   add_light(b, {{"type", "point"}, {"intensity", 10.0}}, {{"translation", {-0.8, 0.9, 1.2}}});
   add_light(b, {{"type", "directional"}, {"intensity", 1.0}}, {{"rotation", {-0.35, 0.2, 0.08, 0.91}}});
   return b;
+}
+inline GltfBuilder hilly(double depth, bool silhouettes = true, bool with_cube = true, int across = 5) {
+  return square_of(hills(across), depth, silhouettes, with_cube);
 }
 inline Job seen_aslant(const std::string& file, int steps = 0, int refinements = 8) {
   Job job;
@@ -71,12 +77,20 @@ class ReferenceRelief : public ReferenceParity {
   struct Fit {
     size_t seen = 0, missed = 0;  // missed: off by more than a hundredth of the layer, or there and not there
     double rms = 0;               // of the others, metres
+    double mean = 0, median = 0;  // of what they are off by, and of its size: whether all are off or a few
+    double worst = 0;
+    glm::ivec2 worst_at{0};
+    std::string text() const {
+      return fmt::format("rms {:.3g} m, mean {:.3g}, median {:.3g}, worst {:.3g} at {}, {}", rms, mean, median, worst,
+                         worst_at.x, worst_at.y);
+    }
   };
   static Fit fit_of(Job job, const std::vector<double>& truth, double time_s = 0) {
     job.layers = {"depth"};
     job.effects = "none";
     const Images images = images_of(job, {}, time_s);
     Fit fit;
+    std::vector<double> sizes;
     double squares = 0;
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
@@ -84,11 +98,16 @@ class ReferenceRelief : public ReferenceParity {
         if (!std::isfinite(expected) && found > 1e9) continue;
         ++fit.seen;
         const double off = std::abs(found - expected);
-        if (!(off < 0.01 * deep))
+        if (!(off < 0.01 * deep)) {
           ++fit.missed;
-        else
-          squares += off * off;
+          continue;
+        }
+        squares += off * off, fit.mean += found - expected;
+        sizes.push_back(off);
+        if (off > fit.worst) fit.worst = off, fit.worst_at = {x, y};
       }
+    std::ranges::sort(sizes);
+    if (!sizes.empty()) fit.mean /= double(sizes.size()), fit.median = sizes[sizes.size() / 2];
     fit.rms = std::sqrt(squares / double(std::max<size_t>(fit.seen - fit.missed, 1)));
     return fit;
   }

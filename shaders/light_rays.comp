@@ -80,20 +80,24 @@ void main() {
         const Geometry g = load_geometry(item.geometry);
         const Corners corners = load_corners(frame.indices, item, g,
             batch.first_triangle + triangle % triangle_batch_size);
+#ifdef RELIEFS
+        ViewRay ray;
+        TrianglePoint p;
+        ReliefPoint relief;
+        const bool on_relief = meet_keyed_relief(batch.flags, item, g, corners, load_material(item.material),
+            vec2(pixel) + place, pixel, covered, ray, p, relief);
+#else
         const ViewRay ray = view_ray(vec2(pixel) + place);
-        TrianglePoint p = meet_triangle(corners, ray);
+        const TrianglePoint p = meet_triangle(corners, ray);
+#endif
         const vec3 to_viewer =
             frame.perspective != 0u ? normalize(-view_ray(pixel_middle).direction) : frame.camera_back;
         position = p.position;
         const bool counter_clockwise = dot(p.plane, ray.direction) < 0.0;
         vec3 normal = normalize_or(counter_clockwise ? p.plane : -p.plane, to_viewer);
 #ifdef RELIEFS
-        ReliefPoint relief;
-        if ((batch.flags & batch_relief) != 0u &&
-            meet_relief(item, g, corners, load_material(item.material), ray, p, relief)) {
-          position = p.position;
-          normal = counter_clockwise != ((batch.flags & batch_mirrored) != 0u) ? relief.front : -relief.front;
-        }
+        const bool is_front = counter_clockwise != ((batch.flags & batch_mirrored) != 0u);
+        if (on_relief) normal = is_front ? relief.front : -relief.front;
 #endif
         vec3 surface_point = position;
         round_off(item, g, corners, p, normal, surface_point);

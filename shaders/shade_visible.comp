@@ -23,19 +23,19 @@ layout(constant_id = 30) const int SAMPLES = 1;
 #include "lib/store_samples.glsl"
 #endif
 
-vec4 shade_triangle(uint triangle, vec2 place) {
+// covered: the samples that have it.
+vec4 shade_triangle(uint triangle, vec2 place, uvec2 pixel, uint covered) {
   const TriangleBatch batch = BatchesRef(frame.batches).b[triangle / triangle_batch_size];
   const Item item = load_item(batch.item);
   const Geometry g = load_geometry(item.geometry);
   const Corners corners =
       load_corners(frame.indices, item, g, batch.first_triangle + triangle % triangle_batch_size);
-  const ViewRay ray = view_ray(place);
-  TrianglePoint p = meet_triangle(corners, ray);
   const Material m = load_material(item.material);
 #ifdef RELIEFS
+  ViewRay ray;
+  TrianglePoint p;
   ReliefPoint relief;
-  const bool on_relief =
-      (batch.flags & batch_relief) != 0u && meet_relief(item, g, corners, m, ray, p, relief);
+  const bool on_relief = meet_keyed_relief(batch.flags, item, g, corners, m, place, pixel, covered, ray, p, relief);
   Varyings v;
   end_relief_light();
   if (on_relief) {
@@ -45,6 +45,8 @@ vec4 shade_triangle(uint triangle, vec2 place) {
     v = lit_varyings(item, g, corners, p);
   }
 #else
+  const ViewRay ray = view_ray(place);
+  const TrianglePoint p = meet_triangle(corners, ray);
   const Varyings v = lit_varyings(item, g, corners, p);
 #endif
 #ifdef FOG
@@ -127,7 +129,7 @@ void main() {
     uint covered;
     vec2 place;
     const uint triangle = take_triangle(covered, place);
-    const vec4 radiance = shade_triangle(triangle, vec2(pixel) + place);
+    const vec4 radiance = shade_triangle(triangle, vec2(pixel) + place, pixel, covered);
 #ifdef LIGHT_RECORDS
     if (keyed_left != 0u) next_records();
 #endif

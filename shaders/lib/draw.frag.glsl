@@ -22,7 +22,7 @@ layout(location = 10) in flat uint in_item;
 #include "lib/relief_fragment.glsl"
 ReliefPoint relief_point;
 Varyings load_varyings() {
-  pixel_middle = gl_FragCoord.xy;
+  pixel_middle = floor(gl_FragCoord.xy) + 0.5;
   const Item item = load_item(in_item);
   const Geometry g = load_geometry(item.geometry);
   const Corners corners = load_corners(frame.indices, item, g, uint(gl_PrimitiveID));

@@ -12,9 +12,20 @@ void begin_keyed(uvec2 pixel) {
     if (keyed[s] != 0u) keyed_left |= 1u << s;
   }
 }
-// covered: its samples; place: their middle, in the pixel, or the pixel's where it has all. Its number.
+// covered: its samples; place: their middle, in the pixel, or the pixel's where it has all. Its number. With
+// relief.by_sample those of a relief are taken one by one.
 uint take_triangle(out uint covered, out vec2 place) {
-  const uint triangle = keyed[findLSB(keyed_left)];
+  const int first = findLSB(keyed_left);
+  const uint triangle = keyed[first];
+#ifdef RELIEFS
+  if (RELIEF_OF_SAMPLES &&
+      (BatchesRef(frame.batches).b[(triangle - 1u) / triangle_batch_size].flags & batch_relief) != 0u) {
+    covered = 1u << first;
+    place = sample_place_px(SAMPLES, uint(first));
+    keyed_left &= ~covered;
+    return triangle - 1u;
+  }
+#endif
   covered = 0u;
   place = vec2(0.0);
   for (int s = 0; s < SAMPLES; ++s)
@@ -26,3 +37,18 @@ uint take_triangle(out uint covered, out vec2 place) {
   place = covered == (1u << SAMPLES) - 1u ? vec2(0.5) : place / float(bitCount(covered));
   return triangle - 1u;
 }
+#ifdef RELIEFS
+// Where a keyed triangle, or the relief below it, is met: at the middle of its samples, or, where that passes by the
+// relief, at the first of them. place: of the middle, in the picture. False: it is the triangle's own plane.
+bool meet_keyed_relief(uint batch_flags, Item item, Geometry g, Corners corners, Material m, vec2 place, uvec2 pixel,
+                       uint covered, out ViewRay ray, out TrianglePoint p, out ReliefPoint relief) {
+  ray = view_ray(place);
+  p = meet_triangle(corners, ray);
+  if ((batch_flags & batch_relief) == 0u) return false;
+  if (meet_relief(item, g, corners, m, ray, p, relief)) return true;
+  if (SAMPLES == 1 || RELIEF_OF_SAMPLES) return false;
+  ray = view_ray(vec2(pixel) + sample_place_px(SAMPLES, uint(findLSB(covered))));
+  p = meet_triangle(corners, ray);
+  return meet_relief(item, g, corners, m, ray, p, relief);
+}
+#endif

@@ -165,6 +165,16 @@ bool relief_clip(Triangle t, vec2 place, out vec4 clip) {
   return true;
 }
 void put_relief(Triangle t, ivec2 pixel, uint covered) {
+#ifndef VIEWS
+  if (RELIEF_OF_SAMPLES) {
+    for (int s = 0; s < SAMPLES; ++s) {
+      vec4 clip;
+      if ((covered >> s & 1u) != 0u && relief_clip(t, vec2(pixel) + sample_place_px(SAMPLES, uint(s)), clip))
+        put_sample_at(floatBitsToUint(clamp(clip.z / clip.w, 1e-37, 1.0)), t.number, pixel, s);
+    }
+    return;
+  }
+#endif
   vec2 place = vec2(0.5);
   if (covered != all_samples) {
     place = vec2(0.0);

@@ -7,6 +7,7 @@
 layout(constant_id = 34) const int RELIEF_SEARCH = 0;
 const int RELIEF_STEPS = RELIEF_SEARCH & 0x7ff, RELIEF_REFINEMENTS = RELIEF_SEARCH >> 22 & 0x1f;
 const int RELIEF_LIGHT_STEPS = (RELIEF_SEARCH >> 11 & 0x7ff) - 1;  // lib/relief_light.glsl; below 0: none
+const bool RELIEF_OF_SAMPLES = (RELIEF_SEARCH >> 27 & 1) != 0;  // each sample has its own depth and outline
 const int RELIEF_MOST_TEXELS = 16384;  // of a ray
 const float RELIEF_FARTHEST = 256.0;   // of triangles, along a relief without end
 

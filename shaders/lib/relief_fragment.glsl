@@ -6,9 +6,11 @@
 #include "lib/triangle.glsl"
 TrianglePoint relief_at;  // what it shows
 
-// The middle of the samples that its triangle covers.
+// The middle of the samples that its triangle covers. RELIEF_BY_SAMPLE: the sample.
 vec2 relief_pixel() {
-#ifdef RELIEF_SAMPLES
+#ifdef RELIEF_BY_SAMPLE
+  return floor(gl_FragCoord.xy) + sample_place_px(RELIEF_SAMPLES, uint(gl_SampleID));
+#elif defined(RELIEF_SAMPLES)
   const uint all = (1u << RELIEF_SAMPLES) - 1u, covered = uint(gl_SampleMaskIn[0]) & all;
   if (covered != all && covered != 0u) {
     vec2 place = vec2(0.0);

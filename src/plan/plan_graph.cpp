@@ -43,7 +43,8 @@ std::vector<SpecConstant> features_of(const FrameShape& shape) {
   std::vector<SpecConstant> features =
       scene_features(facts, facts.environment || shape.request.neutral_light || facts.probes > 0);
   if (facts.probes > 0) features.push_back(probes_constant(facts.probes));
-  if (facts.any_relief) features.push_back(relief_constant(relief.steps, relief.refinements, relief.light_steps));
+  if (facts.any_relief)
+    features.push_back(relief_constant(relief.steps, relief.refinements, relief.light_steps, relief.by_sample != 0));
   if (const float aa = shape.knobs.get<SurfaceKnobs>().specular_aa; aa != 0)
     features.push_back(specular_aa_constant(aa));
   if (facts.image_light) {

@@ -22,8 +22,8 @@ TEST_F(ReferenceRelief, AFlatFloorLiesWhereItsTexelsSay) {
     const std::vector<double> truth = true_depths(job);
     const Fit fit = fit_of(job, truth);
     EXPECT_EQ(fit.missed, 0u);
-    EXPECT_LT(fit.rms, 1e-6 * (2 + 10 * code / 255.0)) << "of " << code << "/255: " << fit.text() << ", of the layer "
-                                                       << fit.mean / 10;
+    EXPECT_LT(fit.rms, 1e-6 * (2 + 10 * code / 255.0))
+        << "of " << code << "/255: " << fit.text() << ", of the layer " << fit.mean / 10;
   }
 }
 
@@ -106,6 +106,44 @@ TEST_F(ReferenceRelief, MarchesToLightsTendToTheReferencesShadows) {
   EXPECT_LT(by_steps[4], 0.004);
   for (const char* technique : {"clustered", "deferred-clustered", "deferred-volumes"})
     EXPECT_LT(off(technique, 0), 0.004) << technique;
+}
+
+TEST_F(ReferenceRelief, SamplesTendToWhatSixtyFourAPixelShow) {
+  const std::string file = write(hilly(deep, true, true));
+  Job job = seen_aslant(file);
+  job.effects = "none";
+  Job fine = job;
+  fine.width_px *= 8, fine.height_px *= 8;
+  const Images truth = images_of(fine);
+  struct Error {
+    double outlines = 0, all = 0;  // of coverage, and of light
+  };
+  const auto error_of = [&](const char* technique, int samples, int by_sample, int supersample) {
+    Job asked = job;
+    asked.technique = technique, asked.samples = samples;
+    asked.settings.push_back({"relief", "by_sample", std::to_string(by_sample)});
+    asked.settings.push_back({"supersample", "n", std::to_string(supersample)});
+    const Images images = images_of(asked);
+    Error error;
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        glm::dvec4 mean(0);
+        for (int j = 0; j < 64; ++j) mean += glm::dvec4(truth["beauty"].at<glm::vec4>(8 * x + j % 8, 8 * y + j / 8));
+        const glm::dvec4 off = glm::abs(glm::dvec4(images["beauty"].at<glm::vec4>(x, y)) - mean / 64.0);
+        error.outlines += off.w / (width * height), error.all += (off.x + off.y + off.z) / (width * height);
+      }
+    return error;
+  };
+  for (const char* technique : {"clustered", "visibility", "deferred-clustered"}) {
+    const Error one = error_of(technique, 1, 0, 1), middle = error_of(technique, 4, 0, 1);
+    const Error by_sample = error_of(technique, 4, 1, 1);
+    EXPECT_LT(middle.outlines, 0.7 * one.outlines) << technique;
+    EXPECT_LT(by_sample.outlines, 0.6 * middle.outlines) << technique;
+    EXPECT_LT(by_sample.all, 0.5 * middle.all) << technique << ": what steps inside the outlines too";
+  }
+  const Error by_sample = error_of("visibility", 4, 1, 1), finer = error_of("visibility", 1, 0, 4);
+  EXPECT_LT(finer.outlines, 0.6 * by_sample.outlines);
+  EXPECT_LT(finer.all, 0.6 * by_sample.all);
 }
 
 TEST_F(ReferenceRelief, OfDepthZeroIsTheFlatSquareBitForBit) {

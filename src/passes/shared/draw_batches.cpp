@@ -28,7 +28,9 @@ void draw_relief(GraphicsPipelineDesc& desc) {
   if (behind_prepass) desc.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
   desc.vertex_shader += "#RELIEF=1";
   desc.fragment_shader += fmt::format("#RELIEF={}", behind_prepass ? 2 : 1);
-  if (desc.samples > 1) desc.fragment_shader += fmt::format("#RELIEF_SAMPLES={}", desc.samples);
+  if (desc.samples == 1) return;
+  desc.fragment_shader += fmt::format("#RELIEF_SAMPLES={}", desc.samples);
+  if (has_reliefs_of_samples(desc.constants)) desc.fragment_shader += "#RELIEF_BY_SAMPLE=1";
 }
 }  // namespace
 

@@ -126,6 +126,11 @@ void leave_out_reliefs(std::vector<SpecConstant>& constants) {
   std::erase_if(constants, [](const SpecConstant& c) { return Feature(c.id) == Feature::relief; });
 }
 bool meets_reliefs(const std::vector<SpecConstant>& constants) { return holds(constants, Feature::relief); }
+bool has_reliefs_of_samples(const std::vector<SpecConstant>& constants) {
+  return std::ranges::any_of(constants, [](const SpecConstant& c) {
+    return Feature(c.id) == Feature::relief && (c.value >> 27 & 1) != 0;  // as relief_constant()
+  });
+}
 bool marches_to_lights(const std::vector<SpecConstant>& constants) {
   return std::ranges::any_of(constants, [](const SpecConstant& c) {
     return Feature(c.id) == Feature::relief && (c.value >> 11 & 0x7ff) != 0;  // as relief_constant()
@@ -168,9 +173,9 @@ std::vector<SpecConstant> image_light_constants(int method, bool irradiance_map,
   return list;
 }
 
-SpecConstant relief_constant(int steps, int refinements, int light_steps) {
-  return constant(Feature::relief,
-                  1u << 31 | uint32_t(refinements) << 22 | uint32_t(light_steps + 1) << 11 | uint32_t(steps));
+SpecConstant relief_constant(int steps, int refinements, int light_steps, bool by_sample) {
+  return constant(Feature::relief, 1u << 31 | uint32_t(by_sample) << 27 | uint32_t(refinements) << 22 |
+                                       uint32_t(light_steps + 1) << 11 | uint32_t(steps));
 }
 
 SpecConstant specular_aa_constant(int method) { return constant(Feature::specular_aa, uint32_t(method)); }

@@ -56,10 +56,11 @@ std::vector<SpecConstant> with_subsample(std::vector<SpecConstant> features);
 // more.
 SpecConstant specular_aa_constant(int method);
 // Of a frame with reliefs (passes/surfaces/relief_knobs.h).
-SpecConstant relief_constant(int steps, int refinements, int light_steps);
+SpecConstant relief_constant(int steps, int refinements, int light_steps, bool by_sample);
 void leave_out_reliefs(std::vector<SpecConstant>& constants);  // of a pass that meets none
 bool meets_reliefs(const std::vector<SpecConstant>& constants);
-bool marches_to_lights(const std::vector<SpecConstant>& constants);  // in reliefs (relief.light_steps)
+bool has_reliefs_of_samples(const std::vector<SpecConstant>& constants);  // relief.by_sample
+bool marches_to_lights(const std::vector<SpecConstant>& constants);       // in reliefs (relief.light_steps)
 // Of a pass that shades under lights with shadow maps.
 SpecConstant sun_shadows_constant(bool traced, bool soft);
 SpecConstant lamp_shadows_constant(bool traced, bool soft);

@@ -31,6 +31,15 @@ std::span<const Knob> ReliefKnobs::table() {
            "which its own shadow is looked for: that of what the light comes past where it comes in by a wall's ends, "
            "and of joints narrower than the map's texels. 0: texel by texel, exactly; -1: by the map alone",
        .sweep = {-1, 4, 16, 0}},
+      {.name = "by_sample",
+       .member = &ReliefKnobs::by_sample,
+       .lowest = 0,
+       .highest = 1,
+       .levels = {0, 0, 0, 1},
+       .description =
+           "1: each sample of a multisampled pixel meets a relief for itself and is shaded for itself there; 0: the "
+           "pixel has one depth and one outline of it. Exact: supersample.n",
+       .sweep = {0, 1}},
   };
   return rows;
 }

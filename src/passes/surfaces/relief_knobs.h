@@ -11,7 +11,7 @@ namespace candela {
 // traces rays (shaders/lib/relief.glsl).
 struct ReliefKnobs {
   static constexpr std::string_view name = "relief";
-  int steps = 64, refinements = 6, light_steps = 0;
+  int steps = 64, refinements = 6, light_steps = 0, by_sample = 0;
   static std::span<const Knob> table();
   static bool matter(const SceneFacts& facts);  // without reliefs they do nothing
 };

@@ -73,18 +73,10 @@ bool find_origin(vec3 position, vec3 normal) {
 }
 
 // Of the light along a ray, what comes through: nothing behind opaque surfaces, what blended ones leave. A surface at
-// distance t hides saturate((radius - t) / fade) of what is behind it.
-float rays_through(TraceRay ray, uint mode, float radius, float fade) {
+// distance t hides saturate((radius - t) / fade) of what is behind it. through: what is left of it already.
+float rays_through_rest(TraceRay ray, uint mode, float radius, float fade, float through) {
   TraceHit passed = TRACE_NOTHING;
-  float through = 1.0;
   mode |= TRACE_LIGHT;
-#ifdef RELIEFS
-  const float own = trace_own_relief(rays_from, ray);
-  if (own >= 0.0) {
-    through = 1.0 - (fade == 0.0 ? 1.0 : clamp((radius - own) / fade, 0.0, 1.0));
-    if (!(through > 0.0)) return 0.0;
-  }
-#endif
   if (RAYS_MEET_BLENDED == 0 && fade == 0.0) mode |= TRACE_ANY;
   while (true) {
     TraceHit hit;
@@ -101,6 +93,18 @@ float rays_through(TraceRay ray, uint mode, float radius, float fade) {
     ray.t_min = hit.t;
     mode |= TRACE_PASSED;
   }
+}
+float rays_through(TraceRay ray, uint mode, float radius, float fade) {
+#ifdef RELIEFS
+  float through = 1.0;
+  const float own = trace_own_relief(rays_from, ray);
+  if (own >= 0.0) through = 1.0 - (fade == 0.0 ? 1.0 : clamp((radius - own) / fade, 0.0, 1.0));
+  if (through > 0.0) through = rays_through_rest(ray, mode, radius, fade, through);
+  trace_left.item = no_trace;
+  return through;
+#else
+  return rays_through_rest(ray, mode, radius, fade, 1.0);
+#endif
 }
 
 // What rays find of the sky, as means over directions by the cosine about the triangle's normal: whether it is open

@@ -2,7 +2,8 @@
 const int RELIEF_MOST_BEFORE = 8;  // surfaces before one that is looked for: backs, and blended ones
 
 // Where a ray that leaves a point of a relief meets that relief again, by the layer's own sides and floor as far as up
-// through its plane, which the triangles tell alone; below 0: nowhere.
+// through its plane, which the triangles tell alone; below 0: nowhere. What has been told for the triangle's own way out
+// is left in trace_left.
 float trace_own_relief(TracePoint from, TraceRay ray) {
   if (from.relief.item == no_trace) return -1.0;
   const TraceScene s = TraceSceneRef(TRACE_ADDRESS).s;
@@ -19,9 +20,12 @@ float trace_own_relief(TracePoint from, TraceRay ray) {
   const vec3 by = vec3(dot(row[0], direction), dot(row[1], direction), dot(row[2], direction));
   float end = min(ray.t_max, RELIEF_FARTHEST / max(max(abs(by.x), abs(by.y)), 1e-30));
   if (by.z > 0.0) end = min(end, (1.0 - at.z) / by.z);
-  if (by.z < 0.0) end = min(end, -at.z / by.z);
+  const float through = by.z < 0.0 ? -at.z / by.z : TRACE_FAR;
+  end = min(end, through);
   if (!(end > 0.0)) return -1.0;
   const ReliefMet met = relief_between(r, at, at + end * by, false, 0.0);
+  if (!met.met && end == through)
+    trace_left = LeftRelief(from.relief.item, from.relief.primitive, from.relief.instance);
   const vec3 way = met.at - at;
   const float largest = dot(by, by);
   return met.met && largest > 0.0 ? dot(way, by) / largest : -1.0;

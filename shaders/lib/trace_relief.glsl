@@ -19,6 +19,13 @@ Relief trace_relief_of(TraceScene s, TraceItem item, TraceTriangle triangle, uin
   take_heights(relief_record(MaterialsRef(frame.materials).m[item.material].relief), r);
   return r;
 }
+// The relief that a ray leaves and that trace_own_relief() has found open as far as up through its plane: its triangle
+// is not asked once more.
+struct LeftRelief {
+  uint item, primitive, instance;
+};
+LeftRelief trace_left = LeftRelief(no_trace, 0u, 0u);
+
 // A hit of such a triangle becomes that of its relief, as the reference has it (World::meet_relief): below the
 // triangle, or before it where the ray begins in the layer or comes from behind. False: there is none.
 bool trace_relief(TraceScene s, TraceItem item, TraceTriangle triangle, vec3 direction, float t_min, float t_max,
@@ -34,6 +41,8 @@ bool trace_relief(TraceScene s, TraceItem item, TraceTriangle triangle, vec3 dir
   if (through > 0.0) {
     met = relief_between(r, entry, entry + through * by, true, 0.0);
   } else if (through < begin) {
+    if (h.item == trace_left.item && h.primitive == trace_left.primitive && h.instance == trace_left.instance)
+      return false;
     met = relief_between(r, entry + begin * by, entry, false, 0.0);
     h.back = 0u;
   } else {

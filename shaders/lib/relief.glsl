@@ -53,7 +53,8 @@ vec2 relief_size(Relief r) { return vec2(textureSize(textures[nonuniformEXT(r.he
 float relief_wrapped(float texel, float size, uint wrap) {
   if (wrap == wrap_clamp) return clamp(texel, 0.0, size - 1.0);
   const float period = wrap == wrap_mirror ? 2.0 * size : size;
-  const float i = clamp(texel - period * floor(texel / period), 0.0, period - 1.0);
+  // From the texel's middle: a quotient that is off by a last place must not fall below a whole number.
+  const float i = clamp(texel - period * floor((texel + 0.5) / period), 0.0, period - 1.0);
   return i < size ? i : 2.0 * size - 1.0 - i;
 }
 // The four texels about a corner of texels, from the first one's number on: it, to its right, below it, below that. By

@@ -2,8 +2,8 @@
 const int RELIEF_MOST_BEFORE = 8;  // surfaces before one that is looked for: backs, and blended ones
 
 // Where a ray that leaves a point of a relief meets that relief again, by the layer's own sides and floor as far as up
-// through its plane, which the triangles tell alone; below 0: nowhere. What has been told for the triangle's own way out
-// is left in trace_left.
+// through its plane, which the triangles tell alone; below 0: nowhere. What has been told for the triangle's own way
+// out is left in trace_left.
 float trace_own_relief(TracePoint from, TraceRay ray) {
   if (from.relief.item == no_trace) return -1.0;
   const TraceScene s = TraceSceneRef(TRACE_ADDRESS).s;

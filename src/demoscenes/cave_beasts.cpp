@@ -436,7 +436,7 @@ void add_dragon(GlbWriter& out) {
   out.root["meshes"][size_t(whole)]["primitives"].push_back(std::move(skin));
   const glm::dquat turn = rotation_about({0, 1, 0}, 0.75);
   const int body = out.node("dragon", {{"mesh", whole},
-                                       {"translation", vector_json({ledge.x, floor_height(ledge), ledge.y})},
+                                       {"translation", vector_json({ledge.x, floor_height(ledge) - 0.05, ledge.y})},
                                        {"rotation", quaternion_json(turn)}});
   out.use_extension("KHR_materials_emissive_strength");
   json glow = pbr({0.3, 0.16, 0.02, 1}, 0, 0.15);

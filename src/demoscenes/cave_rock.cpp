@@ -32,8 +32,8 @@ TilePoint rock_point(double u, double v, uint64_t seed) {
   TilePoint p;
   const glm::dvec3 lime(0.56, 0.48, 0.38), clay(0.33, 0.25, 0.19);
   p.color = glm::mix(clay, lime, smooth_step(0.3, 0.7, broad)) * (0.72 + 0.4 * fine) * (0.92 + 0.16 * grain) *
-            (1 - 0.55 * crack) * (1 - 0.22 * wet);
-  p.height_m = 0.06 * broad + 0.03 * fine + 0.004 * grain * (1 - wet) - 0.03 * crack;
+            (1 - 0.35 * crack) * (1 - 0.22 * wet);
+  p.height_m = 0.06 * broad + 0.03 * fine + 0.004 * grain * (1 - wet) - 0.018 * crack;
   p.roughness = std::clamp(0.92 - 0.2 * wet + 0.1 * (grain - 0.5), 0.76, 0.95);
   return p;
 }
@@ -173,7 +173,7 @@ double floor_height(glm::dvec2 at) {
   const double to_island = glm::length(at - island) + 0.2 * fbm3(p * 1.6, 2, 72);
   const double to_ledge = glm::length((at - ledge) / glm::dvec2(1.15, 1)) + 0.35 * fbm3(p * 0.9, 2, 73);
   return 0.22 * fbm3(p * 0.45, 3, 70) + 0.05 * fbm3(p * 2.5, 3, 74) - 0.75 * pool_at(at) +
-         1.05 * (1 - smooth_step(0.45, 1.15, to_island)) + 0.95 * (1 - smooth_step(1.7, 3.0, to_ledge));
+         1.05 * (1 - smooth_step(0.45, 1.15, to_island)) + 0.95 * (1 - smooth_step(2.15, 3.4, to_ledge));
 }
 
 double air(glm::dvec3 p) {

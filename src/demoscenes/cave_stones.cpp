@@ -132,7 +132,7 @@ bool is_kept_clear(glm::dvec2 at) {
     const double t = std::clamp(glm::dot(at - from, way) / std::max(glm::dot(way, way), 1e-9), 0.0, 1.0);
     return glm::length(at - from - way * t) < away;
   };
-  return near({1.3, 10}, {0.6, 1.5}, 1.1) || near(island, island, 1.7) || near(ledge, ledge, 3.1) ||
+  return near({1.3, 10}, {0.6, 1.5}, 1.1) || near(island, island, 1.7) || near(ledge, ledge, 3.4) ||
          near({1.3, -4}, {3.6, -6.5}, 1.3) || near({2.4, -8.7}, {5.4, -7.3}, 0.9) || near({-2.5, -3.2}, {0.7, 2}, 1.3);
 }
 
@@ -202,7 +202,7 @@ std::vector<Stones> place_stones(uint64_t seed) {
       if (meets_a_lamp(beside, ceiling - 2.3 * size, ceiling, 0.35 + 0.3 * size)) continue;
       out[size_t(4 + (i + k) % 3)].places.push_back({{size, size * rng.uniform(0.9, 1.2), size},
                                                      {rng.uniform(-4, 4), turn(), rng.uniform(-4, 4)},
-                                                     {beside.x, ceiling + 0.02, beside.y}});
+                                                     {beside.x, ceiling + 0.16 * size, beside.y}});
     }
     if (i % 3 != 0 || is_kept_clear(at)) continue;
     const double floor = meet({at.x, 1.6, at.y}, -1);

@@ -87,7 +87,11 @@ void animate_turns(GlbWriter& out, int node, std::span<const double> times_s, st
 
 void make_city(GlbWriter& out, SceneOptions& options) {
   const uint64_t seed = options.rng.next();
-  city::Town town{out, Rng(seed), dusk::make_materials(out, seed & 0xffff), city::Switches(out), {}};
+  // In smoother puddles a head lamp that comes towards the camera flashes from frame to frame, and bloom over the
+  // picture with it.
+  constexpr double least_puddle_roughness = 0.3;
+  city::Town town{
+      out, Rng(seed), dusk::make_materials(out, seed & 0xffff, least_puddle_roughness), city::Switches(out), {}};
   add_city_ground(town);
   add_city_houses(town);
   add_city_lamps(town);

@@ -16,7 +16,8 @@ struct Materials {
   Paint asphalt, pavement, brick, plaster, stone, metal, car_paint, chrome, glass, matte, leaf, bark, line_paint;
   int rooms, shops, lying_signs, standing_signs, glows;
 };
-Materials make_materials(GlbWriter& out, uint64_t seed);
+// No puddle is smoother than that.
+Materials make_materials(GlbWriter& out, uint64_t seed, double least_puddle_roughness = 0);
 
 // A rectangle that glows in one flat colour.
 void glow_quad(MeshKit& kit, const Materials& m, glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v, Glow glow);

@@ -56,14 +56,15 @@ class Maker {
 
 }  // namespace
 
-Materials make_materials(GlbWriter& out, uint64_t seed) {
+Materials make_materials(GlbWriter& out, uint64_t seed, double least_puddle_roughness) {
   Maker make(out, seed);
   Materials m;
   {
     constexpr double tile_m = 4, puddles_m = 24;
     json asphalt = make.textured("asphalt", make.bake(512, tile_m, asphalt_point), false, 1, 0);
-    const auto puddles =
-        png_from(512, 512, 3, [seed](double u, double v) { return glm::dvec4(1, puddle_roughness(u, v, seed), 0, 1); });
+    const auto puddles = png_from(512, 512, 3, [=](double u, double v) {
+      return glm::dvec4(1, std::max(puddle_roughness(u, v, seed), least_puddle_roughness), 0, 1);
+    });
     // Water stands in other places than the grain repeats.
     out.use_extension("KHR_texture_transform");
     const double scale = tile_m / puddles_m;

@@ -117,7 +117,9 @@ Expected<GeometryLayout> layout_geometry(const Scene& scene) {
         return fail(ErrorKind::input, scene.path, "the scene's vertices do not fit into 8 GiB: split it");
     }
   }
-  layout.vertex_words = cursor.words();
+  // Scenes of metaballs alone have no vertices of their own, but a frame that draws has the buffer.
+  constexpr uint64_t least_words = 4;
+  layout.vertex_words = layout.geometry_count > 0 ? std::max(cursor.words(), least_words) : cursor.words();
   layout.size_m = scene_size_m(scene);
   layout.least_light_distance_m = least_light_distance_m(scene);
   return layout;

@@ -60,6 +60,27 @@ class FrameMetaballs : public FrameTest {
   }
 };
 
+TEST_F(FrameMetaballs, AreDrawnWhereNothingElseIs) {
+  GltfBuilder b = empty_scene();
+  use_materials(b);
+  add_body(b, add_material(b, diffuse_material(0.7, 0.6, 0.3)), {0, 0, 0});
+  add_light(b, {{"type", "point"}, {"intensity", 20}}, {{"translation", {1, 2, 3}}});
+  Job job = job_of(write(b));
+  job.layers = {"depth"};
+  const auto depths_of = [&](const char* technique, const char* culls) {
+    Job asked = job;
+    asked.technique = technique;
+    asked.settings.push_back({"occlusion_cull", "mode", culls});
+    return images_of(asked, {}, 0.5);
+  };
+  const Images first = depths_of("clustered", "off");
+  size_t seen = 0;
+  for (const float depth : first["depth"].values<float>()) seen += depth < 10;
+  EXPECT_GT(seen, 150u);
+  for (const char* technique : {"clustered", "deferred-tiled", "visibility", "ray"})
+    EXPECT_TRUE(depths_of(technique, "on")["depth"] == first["depth"]) << technique;
+}
+
 TEST_F(FrameMetaballs, AreTheSameInAllTechniques) {
   Job job = job_of(write(alone()));
   job.layers = {"depth", "normal", "object_id", "motion"};

@@ -1,6 +1,7 @@
 // Polygons of metaballs against the surface itself, which the reference meets: error over the size of cells.
 #include "passes/geometry/metaballs.h"
 #include "reference_layer_pairs.h"
+#include "textured_square.h"
 
 namespace candela::test {
 
@@ -115,6 +116,92 @@ TEST_F(ReferenceMetaballs, AgreeOnMotion) {
   for (const float v : layers.reference.find("motion.X")->f) largest = std::max(largest, std::abs(double(v)));
   EXPECT_GT(largest, 1);
   EXPECT_LT(off_px, 0.01 * largest);
+}
+
+namespace {
+
+// One ball of a metre at a place, whose surface is a sphere.
+constexpr double threshold = 0.25;
+const double sphere_m = std::sqrt(1 - std::cbrt(threshold));
+void add_ball(GltfBuilder& b, const Json& material, glm::dvec3 at) {
+  const int body = add_node(b, {{"translation", {at.x, at.y, at.z}}});
+  b.json["nodes"].push_back({{"translation", {0, 0, 0}}});
+  b.json["nodes"][size_t(body)]["children"] = {body + 1};
+  b.json["nodes"][size_t(body)]["extensions"]["CANDELA_metaballs"] = {{"threshold", threshold},
+                                                                      {"cell", 0.05},
+                                                                      {"material", add_material(b, material)},
+                                                                      {"balls", {{{"node", body + 1}}}}};
+  b.use("CANDELA_metaballs", true);
+}
+
+}  // namespace
+
+// Bodies that emit are not chosen as lights: what they send is found by paths that meet them, all of it. On a floor
+// below a black sphere of radiance L whose centre is d above it lies rho L (r / d)^2.
+TEST_F(ReferenceMetaballs, NoLightOfOneThatEmitsIsLost) {
+  constexpr double rho = 0.5, bright = 3, away_m = 1.5;
+  GltfBuilder b = empty_scene();
+  use_materials(b);
+  add_node(b, {{"mesh", add_square_mesh(b, 2, add_material(b, diffuse_material(rho, rho, rho)))}});
+  Json glowing = diffuse_material(0, 0, 0);
+  glowing["emissiveFactor"] = {1, 1, 1};
+  b.use("KHR_materials_emissive_strength");
+  glowing["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", bright}};
+  add_ball(b, glowing, {0, 0, away_m});
+  add_light(b, {{"type", "point"}, {"intensity", 1e-6}}, {{"translation", {0, 0, -3}}});  // so no studio is
+  Job job = job_for(write(b), 6, 4);
+  look(job, {2.5, 0, 0.5}, {0, 0, 0}, 1);
+  auto frame = open_reference(job, 0, {}, reference::Mode::path);
+  ASSERT_TRUE(frame) << frame.error().text();
+  for (const auto strategy : {reference::Strategy::both, reference::Strategy::brdf}) {
+    reference::TraceSettings settings;
+    settings.mode = reference::Mode::path;
+    settings.strategy = strategy;
+    reference::Film film(job.width_px, job.height_px);
+    film.add(reference::Integrator(*(*frame)->world, settings, job.width_px, job.height_px), 4096,
+             [](double) { return true; });
+    double mean = 0;
+    for (size_t i = 0; i < film.pixels(); ++i) mean += film.mean(i).y / double(film.pixels());
+    EXPECT_NEAR(mean, rho * bright * std::pow(sphere_m / away_m, 2), 0.02 * mean) << int(strategy);
+  }
+}
+
+// Bodies have no texture coordinates: textures show the place 0, 0, in all techniques and in the reference.
+TEST_F(ReferenceMetaballs, TexturesShowOnePlace) {
+  const auto scene_of = [](bool textured) {
+    GltfBuilder b = empty_scene();
+    use_materials(b);
+    Json material = diffuse_material(1, 1, 1);
+    if (textured)
+      material["pbrMetallicRoughness"]["baseColorTexture"]["index"] =
+          add_texture(b, png_from(2, 2, 3, [](double u, double v) {
+                        return u < 0.5 && v < 0.5 ? glm::dvec4(1, 0, 0, 1) : glm::dvec4(0, 1, 1, 1);
+                      }));
+    else
+      material["pbrMetallicRoughness"]["baseColorFactor"] = {1, 0, 0, 1};
+    add_ball(b, material, {0, 0, 0});
+    add_light(b, {{"type", "point"}, {"intensity", 20}}, {{"translation", {1, 2, 3}}});
+    return b;
+  };
+  Job job = job_for(write(scene_of(true)), width, height);
+  look(job, {0, 0.3, 2.5}, {0, 0, 0}, 45);
+  for (const char* technique : {"clustered", "visibility", "deferred-clustered", "ray"}) {
+    job.technique = technique;
+    job.scene = write(scene_of(true));
+    const Pair pair = rendered(job, 1);
+    job.scene = write(scene_of(false));
+    const Pair plain = rendered(job, 1);
+    size_t seen = 0;
+    for (size_t i = 0; i < pair.gpu.size(); ++i) {
+      seen += pair.reference[i].x > 0.01;
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(pair.gpu[i][c], plain.gpu[i][c], 1e-4 * (1 + plain.gpu[i][c])) << technique;
+        EXPECT_NEAR(pair.reference[i][c], plain.reference[i][c], 1e-6) << technique;
+      }
+    }
+    EXPECT_GT(seen, 200u) << technique;
+    EXPECT_LT(pair.relmse(), 1e-3) << technique;
+  }
 }
 
 }  // namespace candela::test

@@ -6,7 +6,8 @@ namespace candela::test::reference_relief {
 
 TEST_F(ReferenceRelief, TheExactEndIsWhereTheReferencesRaysMeetIt) {
   for (const bool silhouettes : {true, false}) {
-    const Job job = seen_aslant(write(hilly(deep, silhouettes)));
+    // Alone: hardware interpolates what is flat, on an H200 to 3e-5 of its distance.
+    const Job job = seen_aslant(write(hilly(deep, silhouettes, false)));
     const Fit fit = fit_of(job, true_depths(job));
     EXPECT_GT(fit.seen, 700u);
     EXPECT_LE(fit.missed, 2u) << "outlines alone";

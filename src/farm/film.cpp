@@ -2,6 +2,7 @@
 
 #include "base/file_uses.h"
 #include "base/files.h"
+#include "job/picture_window.h"
 #include "render/film_frames.h"
 #include "render/video.h"
 
@@ -15,9 +16,10 @@ Expected<void> make_farm_film(const FarmJob& job) {
   if (!audio.empty()) note_read({"--audio", audio});
   const NamedFile output_file{"--video", film};
   if (auto fine = declare_outputs(std::span(&output_file, 1)); !fine) return fine;
+  const PixelRect data = picture_window(job.job).data;
   std::unique_ptr<VideoWriter> video;
   for (const int64_t frame : job.frame_list()) {
-    const auto image = read_film_frame(job.files(frame)[size_t(output)], job.job.width_px, job.job.height_px);
+    const auto image = read_film_frame(job.files(frame)[size_t(output)], data.width, data.height);
     if (!image) return std::unexpected(image.error());
     if (!video) {
       auto opened = VideoWriter::open(film, audio, image->width, image->height, job.rate());

@@ -327,7 +327,8 @@ class Run {
   Expected<void> add_frames_that_were_there() {
     for (; video_next_ < was_there_.size() && was_there_[video_next_] != 0; ++video_next_) {
       const int64_t number = settings_.frames[video_next_];
-      const auto image = read_film_frame(film_frame(settings_, number), job_.width_px, job_.height_px);
+      const PixelRect data = picture_window(job_).data;
+      const auto image = read_film_frame(film_frame(settings_, number), data.width, data.height);
       if (!image) return std::unexpected(in_frame(number, image.error()));
       if (auto added = video_->add(*image); !added) return added;
     }

@@ -127,6 +127,9 @@ TEST_F(CliRegion, FilmsHaveRegionsOfTheirFrames) {
     again.push_back("--resume");
     film(technique + "-part", again);
     if (run_program({"ffmpeg", "-version"}).code != 0) continue;
+    again.insert(again.end(), {"--video", folder / (technique + "-again.mp4")});
+    film(technique + "-part", again);  // of frames that were there
+    EXPECT_TRUE(std::filesystem::exists(folder / (technique + "-again.mp4"))) << technique;
     for (const auto& [asked, size] : {std::pair("13,7,21,18", "22x18"), {"0,0,20,10", "20x10"}}) {
       const std::string video = folder / (technique + ".mp4");
       Arguments words = {"sequence",    scene("animated"), "--size",  "65x37", "--frames", "3-4",

@@ -10,7 +10,6 @@ and what is off of a pixel's light, as a part of the larger of it and of a hundr
 (median 0.18): the worst of 1,000 pixels and the worst of all.
 """
 import argparse
-import array
 import json
 import math
 import pathlib
@@ -19,6 +18,8 @@ import struct
 import subprocess
 import sys
 import tempfile
+
+from float_exr import read_exr
 
 # Side of the floor and height of the lamps in metres; candela, or its logarithms' bounds.
 SCENES = {
@@ -128,37 +129,6 @@ def scene_file(lamps, side, candela, low=0.5, high=1.5, spot=False, bright=0, mo
             struct.pack("<2I", len(text), 0x4E4F534A) + text + struct.pack("<2I", len(binary), 0x4E4942) + binary)
 
 
-def read_exr(path):
-    """Rows of R, G, B of an uncompressed EXR file of floats, and its alpha if there is one."""
-    data = path.read_bytes()
-    at, channels, window = 8, [], None
-    while data[at]:
-        name, kind = (data[at:].split(b"\0", 2)[k].decode() for k in (0, 1))
-        at += len(name) + len(kind) + 2
-        size = struct.unpack_from("<i", data, at)[0]
-        value = data[at + 4:at + 4 + size]
-        at += 4 + size
-        if name == "channels":
-            while value[0]:
-                channel, value = value.split(b"\0", 1)
-                assert struct.unpack_from("<i", value)[0] == 2, "not a file of floats"
-                channels.append(channel.decode())
-                value = value[16:]
-        elif name == "dataWindow":
-            window = struct.unpack("<4i", value)
-        elif name == "compression":
-            assert value == b"\0", "compressed"
-    width, height = window[2] - window[0] + 1, window[3] - window[1] + 1
-    at += 1 + 8 * height
-    planes = {c: array.array("f") for c in channels}
-    for _ in range(height):
-        at += 8
-        for c in channels:
-            planes[c].frombytes(data[at:at + 4 * width])
-            at += 4 * width
-    return planes
-
-
 def run(command) -> str:
     done = subprocess.run([str(c) for c in command], capture_output=True, text=True, check=False)
     if done.returncode:
@@ -204,21 +174,21 @@ def main() -> None:
                 plain = ["--effects", "none", "--samples", "1"]
                 program = list(programs.values())[-1]
                 run([program, "render", *frame, *plain, "--set", "lights.lost=0", "-o", truth_file, "--quiet"])
-                truth = read_exr(truth_file)
+                truth = read_exr(truth_file)[0]
                 luminance = sorted(max(truth[c][i] for c in "RGB") for i in range(len(truth["R"])))
                 white = luminance[len(luminance) // 2] / 0.18
                 row = {"scene": scene, "lamps": SCENES[scene]["lamps"], "time_s": time}
                 if options.check and SCENES[scene]["lamps"] <= 4096:
                     run([program, "reference", *frame, "--visibility", "off", "--spp", 1, "--sampler", "uniform",
                          "-o", picture, "--quiet"])
-                    row["truth_off_reference"] = measured(read_exr(picture), truth, white)
+                    row["truth_off_reference"] = measured(read_exr(picture)[0], truth, white)
                 for quality in options.quality.split(","):
                     for label, program in programs.items():
                         said = run([program, "render", *frame, *plain, "--quality", quality, "--exposure",
                                     -math.log2(white), "--verbose", "-o", picture])
                         notes = [line for line in said.splitlines() if "without range" in line]
                         made = {"program": label, "quality": quality, **row,
-                                **measured(truth, read_exr(picture), white), "note": notes[0] if notes else ""}
+                                **measured(truth, read_exr(picture)[0], white), "note": notes[0] if notes else ""}
                         rows.append(made)
                         print(f"{scene:18} {time} {quality:7} {label:7} kept {made['kept']:.4f}  "
                               f"worst of 1000 {made['worst_of_1000']:.4f}  worst {made['worst']:.4f}  {made['note'][:150]}",

@@ -22,6 +22,8 @@ import struct
 import subprocess
 import tempfile
 
+from float_exr import read_exr
+
 DEPTH_M = 0.08
 YFOV_DEG = 43
 VIEWS = {"near": ((0.35, 1.45, 0.45), (0.0, 1.25, 0.0)), "oblique": ((1.5, 1.25, 1.9), (-0.1, 0.95, 0.1)),
@@ -121,34 +123,7 @@ def below_column(place):
 
 
 def read_depth(path):
-    """The channel depth.Z of an EXR of floats without compression."""
-    data = pathlib.Path(path).read_bytes()
-    at, channels = 8, []
-    while data[at]:
-        name_end = data.index(0, at)
-        kind_end = data.index(0, name_end + 1)
-        size = struct.unpack_from("<i", data, kind_end + 1)[0]
-        name, value = data[at:name_end].decode(), data[kind_end + 5:kind_end + 5 + size]
-        at = kind_end + 5 + size
-        if name == "channels":
-            k = 0
-            while value[k]:
-                end = value.index(0, k)
-                channels.append((value[k:end].decode(), struct.unpack_from("<i", value, end + 1)[0]))
-                k = end + 17
-        if name == "dataWindow":
-            x0, y0, x1, y1 = struct.unpack("<4i", value)
-    width, height = x1 - x0 + 1, y1 - y0 + 1
-    offsets = struct.unpack_from(f"<{height}Q", data, at + 1)
-    rows, device = [], None
-    for offset in offsets:
-        here = offset + 8
-        for name, kind in channels:
-            bytes_each = 2 if kind == 1 else 4
-            if name in ("Z", "depth.Z", "depth.V"):
-                rows.append(array.array("f", data[here:here + 4 * width]))
-            here += bytes_each * width
-    return [z for row in rows for z in row]
+    return read_exr(pathlib.Path(path))[0]["depth.Z"]
 
 
 def compare(seen_from, below, depth, truth):

@@ -6,19 +6,15 @@
 #include <map>
 #include <unordered_map>
 
+#include "base/rng.h"
+
 namespace candela {
 namespace {
 
-uint64_t mixed(uint64_t z) {
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
-}
-
 // The lattice point's gradient times the way to p.
 double slope_at(glm::i64vec3 node, glm::dvec3 way, uint64_t seed) {
-  const uint64_t hash = mixed(uint64_t(node.x) * 0x9e3779b97f4a7c15u + uint64_t(node.y) * 0xc2b2ae3d27d4eb4fu +
-                              uint64_t(node.z) * 0x165667b19e3779f9u + seed * 0xd6e8feb86659fd93u);
+  const uint64_t hash = mixed_bits(uint64_t(node.x) * 0x9e3779b97f4a7c15u + uint64_t(node.y) * 0xc2b2ae3d27d4eb4fu +
+                                   uint64_t(node.z) * 0x165667b19e3779f9u + seed * 0xd6e8feb86659fd93u);
   const double a = hash & 1 ? 1 : -1, b = hash & 2 ? 1 : -1;
   switch (hash >> 8 & 3) {
     case 0:

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <numbers>
 
+#include "base/rng.h"
 #include "reference/brdf.h"
 #include "scene/environment.h"
 #include "scene/studio.h"
@@ -157,16 +158,11 @@ glm::dvec3 Sky::blurred(glm::dvec3 d, double deviation_rad) const {
   const glm::dvec3 x = glm::normalize(glm::cross(aside, d)), y = glm::cross(d, x);
   uint64_t state = 0x9e3779b97f4a7c15u;
   for (int k = 0; k < 3; ++k) state = (state ^ std::bit_cast<uint64_t>(d[k])) * 0xd6e8feb86659fd93u + (state >> 29);
-  const auto next = [&state] {  // splitmix64 (Steele, Lea and Flood 2014)
-    uint64_t z = state += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return double((z ^ (z >> 31)) >> 11) * 0x1p-53;
-  };
+  Rng rng(state);
   constexpr int directions = 16;
   glm::dvec3 sum(0);
   for (int i = 0; i < directions; ++i) {
-    const double u = (i + next()) / directions, phi = 2 * pi * next();
+    const double u = (i + rng.uniform()) / directions, phi = 2 * pi * rng.uniform();
     const double less = -std::log1p(-(1 - u) * -std::expm1(-2 * kappa)) / kappa;  // 1 - cos(angle)
     const double across = std::sqrt(std::max(less * (2 - less), 0.0));
     sum += seen(glm::normalize((1 - less) * d + across * (std::cos(phi) * x + std::sin(phi) * y)));

@@ -423,7 +423,7 @@ Expected<ErrorSweepOptions> error_sweep_of(const BenchOptions& o) {
   SamplingRules& sampling = options.base.sampling;
   if (!o.precision) sampling.precision = std::max(sampling.precision, 0.03);
   if (!o.max_runs) sampling.max_runs = std::min(sampling.max_runs, 24);
-  // Twofold differences are found in eight rounds (docs/deciding.md), and most of them in six.
+  // Twofold differences are found in eight rounds (docs/understanding/deciding.md), and most of them in six.
   if (!o.min_runs) sampling.min_runs = std::max(sampling.min_runs, 6);
   if (o.reference_spp) options.truth.spp = *o.reference_spp;
   if (o.hdr_flip != "auto") {

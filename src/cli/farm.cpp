@@ -333,7 +333,7 @@ void add_farm(CLI::App& app, Action& action) {
   const auto writer = [&](const char* name, const char* help, Writer write) {
     add_writer(*farm, name, help, write, std::make_shared<FarmOptions>(), action);
   };
-  writer("slurm", "Write a file for sbatch (docs/farm.md)", slurm_file);
+  writer("slurm", "Write a file for sbatch (docs/using/farm.md)", slurm_file);
   writer("opencue", "Write an outline for OpenCue", opencue_files);
   writer("make", "Write a file for GNU make", make_file);
   writer("shell", "Write a shell script that any number of machines may run at the same time", shell_file);

@@ -54,7 +54,7 @@ void add_window_options(CLI::App& command, JobOptions& o) {
   command
       .add_option("--region", o.region,
                   "Render this part of the picture alone, in pixels from its upper left corner: the same pixels as of "
-                  "the whole (docs/outputs.md)")
+                  "the whole (docs/using/outputs.md)")
       ->type_name("X,Y,W,H");
   command
       .add_option("--overscan", o.overscan,
@@ -76,7 +76,8 @@ void add_effect_options(CLI::App& command, JobOptions& o) {
       ->type_name("NAME");
   command
       .add_option("--effects", o.effects,
-                  "auto (truth by quality, look by the look file), none, or names separated by commas (docs/design.md)")
+                  "auto (truth by quality, look by the look file), none, or names separated by commas "
+                  "(docs/building/design.md)")
       ->capture_default_str()
       ->type_name("LIST");
 }
@@ -89,7 +90,7 @@ void add_motion_options(CLI::App& command, JobOptions& o) {
   command
       .add_option("--camera-path", o.camera_path,
                   "The camera goes along a B-spline over the points of a file: FILE[,times=FILE][,closed]... "
-                  "(docs/paths.md)")
+                  "(docs/using/paths.md)")
       ->type_name("FILE,...");
   command
       .add_option("--path", o.paths,
@@ -167,8 +168,9 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
       ->capture_default_str()
       ->type_name("FILE");
   command
-      .add_option("--look", o.look,
-                  "Look file (docs/look.md); NAME.look.json beside the scene where nothing is given; none: no look")
+      .add_option(
+          "--look", o.look,
+          "Look file (docs/using/look.md); NAME.look.json beside the scene where nothing is given; none: no look")
       ->type_name("FILE");
   if (renderer != Renderer::none)
     command

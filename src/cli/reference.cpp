@@ -282,9 +282,11 @@ void add_own_options(CLI::App& command, ReferenceOptions& o) {
   std::vector<std::string_view> knobs;
   for (const TreeKnob& knob : tree_knobs()) knobs.push_back(knob.name);
   command
-      .add_option("--set", o.tracing.settings,
-                  fmt::format("How the acceleration structure is built (docs/reference.md): {}; may be given again",
-                              fmt::join(knobs, ", ")))
+      .add_option(
+          "--set", o.tracing.settings,
+          fmt::format(
+              "How the acceleration structure is built (docs/understanding/reference.md): {}; may be given again",
+              fmt::join(knobs, ", ")))
       ->allow_extra_args(false)
       ->type_name("bvh.NAME=VALUE");
   command.add_option("--view", o.view, "What PNG shows: beauty or any layer")->capture_default_str()->type_name("NAME");

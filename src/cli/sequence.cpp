@@ -261,7 +261,7 @@ void add_sequence(CLI::App& app, Action& action) {
   command
       ->add_option(
           "--record", o->record,
-          "Folder for a file that says what became of this run: node, device, frames, exit code (docs/farm.md)")
+          "Folder for a file that says what became of this run: node, device, frames, exit code (docs/using/farm.md)")
       ->type_name("DIR");
   command->add_option("--timings", o->timings, "Times summed over the frames as JSON; - is stdout")->type_name("FILE");
   command->add_option("--trace", o->trace, "The same as a Chrome trace; - is stdout")->type_name("FILE");

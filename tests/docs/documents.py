@@ -5,7 +5,7 @@ import re
 import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-TUTORIALS = ROOT / "docs/tutorials"
+TUTORIALS = ROOT / "docs/using/tutorials"
 
 
 def program():

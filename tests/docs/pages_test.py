@@ -1,4 +1,4 @@
-"""docs/commands is what the parser says, and links inside the repository lead somewhere."""
+"""docs/using/commands is what the parser says, and links inside the repository lead somewhere."""
 import pathlib
 import re
 import subprocess
@@ -23,16 +23,16 @@ class Pages(unittest.TestCase):
     def test_pages_of_commands_are_those_of_the_program(self):
         with tempfile.TemporaryDirectory(prefix="candela-docs-") as folder:
             made = made_pages(folder)
-        kept = {path.name: path.read_text() for path in sorted((ROOT / "docs/commands").iterdir())}
+        kept = {path.name: path.read_text() for path in sorted((ROOT / "docs/using/commands").iterdir())}
         stale = sorted(name for name in made.keys() | kept.keys() if made.get(name) != kept.get(name))
-        self.assertEqual(stale, [], "docs/commands is not what the program's options say: ./run docs writes it anew")
+        self.assertEqual(stale, [], "docs/using/commands is not what the program's options say: ./run docs writes it anew")
 
     def test_tables_of_curves_follow_from_the_kept_rows(self):
         subprocess.run(["python3", ROOT / "bench/curves.py", "check"], check=True)
 
     def test_a_page_names_every_option_of_help(self):
         """The pages are made of the same tree as man pages; help is CLI11's own."""
-        pages = sorted((ROOT / "docs/commands").glob("candela-*.md"))
+        pages = sorted((ROOT / "docs/using/commands").glob("candela-*.md"))
         self.assertGreaterEqual(len(pages), 20)
         for page in pages:
             words = re.search(r"^# (.*)$", page.read_text(), re.MULTILINE)[1].split()

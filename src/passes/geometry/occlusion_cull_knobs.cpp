@@ -30,7 +30,7 @@ std::span<const Knob> OcclusionCullKnobs::table() {
 }
 
 namespace {
-// Below these two phases may cost more than they save (docs/decisions.md).
+// Below these two phases may cost more than they save (docs/building/decisions.md).
 constexpr uint32_t least_items = 256, least_triangles = 100000;
 }  // namespace
 

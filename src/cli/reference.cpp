@@ -270,9 +270,11 @@ void add_own_options(CLI::App& command, ReferenceOptions& o) {
       .add_option("--seconds", o.tracing.seconds,
                   "Stop after this time; the number of samples then depends on the machine")
       ->type_name("S");
-  command.add_option("--state", o.state, "Sums of the samples, written at the end and every minute")->type_name("FILE");
+  command
+      .add_option("--state", o.state, "File that keeps the samples, written at the end and every minute, for --resume")
+      ->type_name("FILE");
   command.add_flag("--resume", o.resume,
-                   "Go on from --state where it exists; the image is that of a run without a break");
+                   "Continue from --state if it exists; the picture is that of an uninterrupted run");
   command
       .add_option(
           "--layers", o.layers,

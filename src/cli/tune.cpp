@@ -138,7 +138,7 @@ void add_tune(CLI::App& app, Action& action) {
   add_moment_options(*command, o->moment);
   command
       ->add_option("--seconds", o->seconds,
-                   "Of all of it, opening and the traced reference too; a frame that was begun is finished")
+                   "Time for everything, also for opening and the traced reference; a frame that was begun is finished")
       ->capture_default_str()
       ->type_name("SECONDS");
   command->add_option("--report", o->report, "Folder for an HTML page, its figures and the result as JSON")

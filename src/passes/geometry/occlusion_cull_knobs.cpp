@@ -20,9 +20,8 @@ std::span<const Knob> OcclusionCullKnobs::table() {
        .lowest = 0,
        .highest = 1,
        .levels = {0.005},
-       .description =
-           "share of the picture that an item's box covers at least for its depth to be drawn first and hide "
-           "others; changes time, never the image",
+       .description = "an item whose box covers at least this share of the picture is drawn first, to hide others; "
+                      "changes time, never the image",
        .kind = Trades::time,
        .sweep = {0, 0.05, 0.005}},
   };

@@ -20,7 +20,8 @@ std::span<const Knob> RasterKnobs::table() {
        .lowest = 1,
        .highest = shared::raster_most_small_px,
        .levels = {8},
-       .description = "triangles up to this many pixels wide and high are one thread's; changes time, never the image",
+       .description =
+           "triangles up to this many pixels wide and high are rasterized by one thread; changes time, never the image",
        .kind = Trades::time,
        .sweep = {1, 64, 8}},
       {.name = "list",
@@ -28,9 +29,8 @@ std::span<const Knob> RasterKnobs::table() {
        .lowest = 1,
        .highest = 1048576,
        .levels = {524288},
-       .description =
-           "other triangles that are dealt out tile by tile; what goes beyond is one thread's too; changes time, "
-           "never the image",
+       .description = "how many larger triangles are shared out tile by tile; further ones are rasterized by one "
+                      "thread each; changes time, never the image",
        .kind = Trades::time,
        .sweep = {1024, 524288}},
   };

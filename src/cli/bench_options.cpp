@@ -267,7 +267,10 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
   command.add_option("--csv", o.csv, "The rows as CSV; - is stdout")->type_name("FILE");
   command.add_option("--from", o.from, "Make the report from rows that were kept, instead of measuring")
       ->type_name("ROWS.json");
-  command.add_option("--compare", o.compare, "Print what became slower or faster beyond noise; exit 1 if anything did")
+  command
+      .add_option("--compare", o.compare,
+                  "Print what became slower or faster beyond noise; exit 1 if anything became "
+                  "slower")
       ->expected(2)
       ->type_name("OLD.json NEW.json");
   command

@@ -92,6 +92,28 @@ class Pages(unittest.TestCase):
                     count += 1
         self.assertGreater(count, 50)
 
+    def test_lines_are_at_most_120_columns(self):
+        """But rows of tables, which Markdown cannot break, commands, and pages that the program writes."""
+        for page in documents():
+            if page.parent.name == "commands":
+                continue
+            fenced = False
+            for number, line in enumerate(page.read_text().splitlines(), 1):
+                if line.lstrip().startswith("```"):
+                    fenced = not fenced
+                if not fenced and not line.startswith(("|", "    ")):
+                    self.assertLessEqual(len(line), 120, f"{page}:{number}: wider than 120 columns")
+
+    def test_readme_is_short(self):
+        self.assertLessEqual(len((ROOT / "README.md").read_text().splitlines()), 130)
+
+    def test_every_page_is_in_the_index(self):
+        index = ROOT / "docs/README.md"
+        linked = {(index.parent / target).resolve() for target in re.findall(r"\]\(([^)#\s]+)\)", index.read_text())}
+        for page in documents():
+            if page.parent.name != "commands" and page not in (ROOT / "README.md", index):
+                self.assertIn(page.resolve(), linked, f"{page} is not in docs/README.md")
+
     def test_pages_named_in_text_exist(self):
         for page in documents():
             for number, line in enumerate(page.read_text().splitlines(), 1):

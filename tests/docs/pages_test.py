@@ -102,7 +102,7 @@ class Pages(unittest.TestCase):
                 if line.lstrip().startswith("```"):
                     fenced = not fenced
                 if not fenced and not line.startswith(("|", "    ")):
-                    self.assertLessEqual(len(line), 120, f"{page}:{number}: wider than 120 columns")
+                    self.assertLessEqual(len(line), 120, f"{page}:{number}: wider than 120 columns (tests/docs/wrap.py FILE)")
 
     def test_readme_is_short(self):
         self.assertLessEqual(len((ROOT / "README.md").read_text().splitlines()), 130)

@@ -328,13 +328,14 @@ CLI::App* add_folder_command(CLI::App& farm, const char* name, const char* help,
 }  // namespace
 
 void add_farm(CLI::App& app, Action& action) {
-  CLI::App* farm = app.add_subcommand("farm", "Let several machines make a film, by an engine that is there");
+  CLI::App* farm =
+      app.add_subcommand("farm", "Share a film among several machines, by Slurm, OpenCue, make or the shell");
   farm->require_subcommand(1);
   const auto writer = [&](const char* name, const char* help, Writer write) {
     add_writer(*farm, name, help, write, std::make_shared<FarmOptions>(), action);
   };
   writer("slurm", "Write a file for sbatch (docs/using/farm.md)", slurm_file);
-  writer("opencue", "Write an outline for OpenCue", opencue_files);
+  writer("opencue", "Write an outline for OpenCue (experimental)", opencue_files);
   writer("make", "Write a file for GNU make", make_file);
   writer("shell", "Write a shell script that any number of machines may run at the same time", shell_file);
   auto o = std::make_shared<StatusOptions>();
@@ -343,8 +344,8 @@ void add_farm(CLI::App& app, Action& action) {
   status->add_flag("--json", o->json, "As JSON");
   status->callback([o, &action] { action = [o] { return run_status(*o); }; });
   CLI::App* check = add_folder_command(
-      *farm, "check", "See whether all frames are there and whole, then make the film; exit 1 and what to do otherwise",
-      o);
+      *farm, "check",
+      "Check that all frames are there and whole, then make the film; otherwise exit 1 and print what to do", o);
   check->callback([o, &action] { action = [o] { return run_check(*o); }; });
 }
 

@@ -133,7 +133,7 @@ Expected<int> run_tune(CLI::App& command, TuneCommand& o) {
 void add_tune(CLI::App& app, Action& action) {
   auto o = std::make_shared<TuneCommand>();
   CLI::App* command =
-      app.add_subcommand("tune", "Find the cheapest settings for some errors, on this scene and device");
+      app.add_subcommand("tune", "Find the cheapest settings for several errors, on this scene and device");
   add_job_options(*command, o->job);
   add_moment_options(*command, o->moment);
   command

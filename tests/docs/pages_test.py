@@ -114,6 +114,23 @@ class Pages(unittest.TestCase):
             if page.parent.name != "commands" and page not in (ROOT / "README.md", index):
                 self.assertIn(page.resolve(), linked, f"{page} is not in docs/README.md")
 
+    def test_commands_in_pages_have_the_options_that_they_name(self):
+        count = 0
+        for page in documents():
+            for number, line in enumerate(page.read_text().splitlines(), 1):
+                named = re.match(r"(?:    )?candela ([a-z-]+)(?: ([a-z-]+))?( .*|)$", line)
+                if not named or page.parent.name == "commands":
+                    continue
+                pages = [ROOT / f"docs/using/commands/candela-{name}.md" for name in
+                         (f"{named[1]}-{named[2]}", named[1])]
+                found = [path.read_text() for path in pages if path.exists()]
+                self.assertTrue(found, f"{page}:{number}: no command {named[1]}")
+                command = re.split(r"   +| #", line.strip())[0]
+                for option in re.findall(r"(?<![\w-])--[a-z][a-z-]*", command):
+                    self.assertRegex(found[0], rf"`[^`]*{option}[ `,]", f"{page}:{number}: no option {option}")
+                    count += 1
+        self.assertGreater(count, 150)
+
     def test_pages_named_in_text_exist(self):
         for page in documents():
             for number, line in enumerate(page.read_text().splitlines(), 1):

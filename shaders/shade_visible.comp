@@ -25,52 +25,27 @@ layout(constant_id = 30) const int SAMPLES = 1;
 
 // covered: the samples that have it.
 vec4 shade_triangle(uint triangle, vec2 place, uvec2 pixel, uint covered) {
-  const TriangleBatch batch = BatchesRef(frame.batches).b[triangle / triangle_batch_size];
-  const Item item = load_item(batch.item);
-  const Geometry g = load_geometry(item.geometry);
-  const Corners corners =
-      load_corners(frame.indices, item, g, batch.first_triangle + triangle % triangle_batch_size);
-  const Material m = load_material(item.material);
+  const KeyedPoint k = keyed_point(triangle, place, pixel, covered);
 #ifdef RELIEFS
-  ViewRay ray;
-  TrianglePoint p;
-  ReliefPoint relief;
-  const bool on_relief = meet_keyed_relief(batch.flags, item, g, corners, m, place, pixel, covered, ray, p, relief);
-  Varyings v;
   end_relief_light();
-  if (on_relief) {
-    v = relief_varyings(item, g, corners, p, relief);
-    begin_relief_light(relief.layer, relief.at, relief.lod, relief.back);
-  } else {
-    v = lit_varyings(item, g, corners, p);
-  }
-#else
-  const ViewRay ray = view_ray(place);
-  const TrianglePoint p = meet_triangle(corners, ray);
-  const Varyings v = lit_varyings(item, g, corners, p);
+  if (k.on_relief) begin_relief_light(k.relief.layer, k.relief.at, k.relief.lod, k.relief.back);
 #endif
+  const Varyings v = keyed_varyings(k);
 #ifdef FOG
-  const FogSeen fog = fog_before(p.position);
+  const FogSeen fog = fog_before(k.at.position);
 #endif
   vec3 radiance;
-  if ((batch.flags & batch_unlit) != 0u) {
-    radiance = max(surface_base_color(m, v).rgb, vec3(0.0));
+  if ((k.batch.flags & batch_unlit) != 0u) {
+    radiance = max(surface_base_color(k.material, v).rgb, vec3(0.0));
   } else {
-    const vec3 to_viewer =
-        frame.perspective != 0u ? normalize(-view_ray(pixel_middle).direction) : frame.camera_back;
-    const bool counter_clockwise = dot(p.plane, ray.direction) < 0.0;
-    const bool is_front = counter_clockwise != ((batch.flags & batch_mirrored) != 0u);
-    const Surface s = load_surface(m, v, is_front ? 1.0 : -1.0, to_viewer);
+    const vec3 to_viewer = keyed_direction_to_viewer();
+    const Surface s = load_surface(k.material, v, is_front(k) ? 1.0 : -1.0, to_viewer);
     vec3 plane_normal = vec3(0.0);
-    if (HAS_SHADOWS || HAS_OCCLUSION != 0)
-      plane_normal = normalize_or(counter_clockwise ? p.plane : -p.plane, to_viewer);
-#ifdef RELIEFS
-    if (on_relief) plane_normal = is_front ? relief.front : -relief.front;
-#endif
-    vec3 surface_point = p.position;
-    round_off(item, g, corners, p, plane_normal, surface_point);
+    if (HAS_SHADOWS || HAS_OCCLUSION != 0) plane_normal = keyed_plane_normal(k, to_viewer);
+    vec3 surface_point = k.at.position;
+    round_off(k.item, k.geometry, k.corners, k.at, plane_normal, surface_point);
     begin_rays(surface_point, plane_normal);
-    radiance = surface_radiance(s, brdf_terms(s, to_viewer), p.position, surface_point, plane_normal);
+    radiance = surface_radiance(s, brdf_terms(s, to_viewer), k.at.position, surface_point, plane_normal);
   }
 #ifdef FOG
   return vec4(radiance * frame.pre_exposure * fog.through + fog.light, 1.0);
@@ -129,7 +104,7 @@ void main() {
     uint covered;
     vec2 place;
     const uint triangle = take_triangle(covered, place);
-    const vec4 radiance = shade_triangle(triangle, vec2(pixel) + place, pixel, covered);
+    const vec4 radiance = shade_triangle(triangle, place, pixel, covered);
 #ifdef LIGHT_RECORDS
     if (keyed_left != 0u) next_records();
 #endif

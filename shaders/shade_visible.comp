@@ -1,5 +1,7 @@
 #version 460
 // Shades what the keys of a pixel's samples name: each triangle once, at the middle of the samples that it has there.
+// SHARED, of several samples: the pixels of a workgroup share the work on all triangles but their first, of which pixels
+// at edges alone have some. So lanes do not wait for those of a neighbour.
 #define TRIANGLES
 #include "shared/draw.h"
 layout(push_constant, scalar) uniform Push { DrawPush pc; };
@@ -16,7 +18,12 @@ layout(push_constant, scalar) uniform Push { DrawPush pc; };
 #define RECORDS_AT pc.rays
 #include "lib/light_records.glsl"
 #endif
+#ifdef SHARED
+const uint GROUP = 256u;
+layout(local_size_x = 16, local_size_y = 16) in;
+#else
 layout(local_size_x = 8, local_size_y = 8) in;
+#endif
 layout(constant_id = 30) const int SAMPLES = 1;
 #include "lib/keyed_triangles.glsl"
 #ifndef WHOLE
@@ -76,6 +83,89 @@ vec4 behind_all(vec2 place) {
 #endif
 }
 
+#ifdef SHARED
+shared uint more_count;
+shared uint more_items[GROUP * (SHARED - 1)];  // number of the pixel in its group; samples, from bit 8 on
+#ifdef WHOLE
+shared vec4 more_radiance[GROUP * (SHARED - 1)];
+#endif
+
+// 8 by 4 pixels to each 32 of the 16 by 16 of a group.
+uvec2 pixel_of(uint number) {
+  return gl_WorkGroupID.xy * 16u +
+      uvec2((number & 7u) | (number >> 2 & 8u), (number >> 3 & 3u) | (number >> 4 & 12u));
+}
+
+void main() {
+  const uint mine = gl_LocalInvocationIndex;
+  const uvec2 pixel = pixel_of(mine);
+  const bool inside = all(lessThan(pixel, frame.size_px));
+  const uint all_samples = (1u << SAMPLES) - 1u;
+  if (mine == 0u) more_count = 0u;
+  barrier();
+  uint seen = 0u, first_covered = 0u, first_triangle = 0u, first_more = 0u, more = 0u;
+  vec2 first_place;
+  if (inside) {
+    pixel_middle = vec2(pixel) + 0.5;
+    begin_keyed(pixel);
+    seen = keyed_left;
+    if (seen != 0u) first_triangle = take_triangle(first_covered, first_place);
+    uint items[SHARED - 1];
+    for (; keyed_left != 0u; ++more) {
+      uint covered;
+      vec2 place;
+      take_triangle(covered, place);
+      items[more] = mine | covered << 8;
+    }
+    if (more != 0u) first_more = atomicAdd(more_count, more);
+    for (uint i = 0u; i < more; ++i) more_items[first_more + i] = items[i];
+  }
+  barrier();
+#ifdef WHOLE
+  vec4 sum = vec4(0.0);
+#endif
+  if (inside && seen != all_samples) {
+    const vec4 behind = behind_all(pixel_middle);
+#ifdef WHOLE
+    sum = behind * (float(SAMPLES - bitCount(seen)) / float(SAMPLES));
+#else
+    store_samples(ivec2(pixel), all_samples & ~seen, behind);
+#endif
+  }
+  // The pixel's own first triangle, and then what there is more of in the group.
+  const uint items = GROUP + more_count;
+  for (uint i = mine; i < items; i += GROUP) {
+    const bool is_first = i < GROUP;
+    uint covered = first_covered, triangle = first_triangle;
+    vec2 place = first_place;
+    uvec2 at = pixel;
+    if (!is_first) {
+      const uint item = more_items[i - GROUP];
+      at = pixel_of(item & 0xffu);
+      begin_keyed(at);
+      keyed_left = item >> 8;
+      triangle = take_triangle(covered, place);
+    }
+    if (covered == 0u) continue;
+    pixel_middle = vec2(at) + 0.5;
+    const vec4 radiance = shade_triangle(triangle, place, at, covered);
+#ifdef WHOLE
+    const vec4 part = radiance * (float(bitCount(covered)) / float(SAMPLES));
+    if (is_first)
+      sum += part;
+    else
+      more_radiance[i - GROUP] = part;
+#else
+    store_samples(ivec2(at), covered, radiance);
+#endif
+  }
+#ifdef WHOLE
+  barrier();
+  for (uint i = 0u; i < more; ++i) sum += more_radiance[first_more + i];
+  if (inside) imageStore(storage_images[pc.own], ivec2(pixel), sum);
+#endif
+}
+#else
 void main() {
   const uvec2 pixel = gl_GlobalInvocationID.xy;
   if (any(greaterThanEqual(pixel, frame.size_px))) return;
@@ -118,3 +208,4 @@ void main() {
   imageStore(storage_images[pc.own], ivec2(pixel), sum);
 #endif
 }
+#endif

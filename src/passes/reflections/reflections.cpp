@@ -79,9 +79,8 @@ std::span<const Knob> ReflectionKnobs::table() {
        .lowest = 0,
        .highest = 1,
        .levels = {0.05, 0.02, 0.02, 0},
-       .description =
-           "how far behind a seen surface a ray still meets it, in parts of its distance; more finds what is "
-           "hidden and invents what is not; 0: seen surfaces alone",
+       .description = "thickness that a ray assumes behind visible surfaces, as a part of their distance; more finds "
+                      "hidden surfaces, and some that are not there; 0: only visible surfaces",
        .sweep = {0.2, 0.05, 0.02, 0.01, 0},
        .required = on_screen},
       {.name = "fade",

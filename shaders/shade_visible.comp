@@ -1,7 +1,7 @@
 #version 460
 // Shades what the keys of a pixel's samples name: each triangle once, at the middle of the samples that it has there.
-// SHARED, of several samples: the pixels of a workgroup share the work on all triangles but their first, of which pixels
-// at edges alone have some. So lanes do not wait for those of a neighbour.
+// SHARED, the number of samples: the pixels of a workgroup share the work on all triangles but their first, of which
+// pixels at edges alone have some. So lanes do not wait for those of a neighbour.
 #define TRIANGLES
 #include "shared/draw.h"
 layout(push_constant, scalar) uniform Push { DrawPush pc; };

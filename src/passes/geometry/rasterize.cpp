@@ -19,11 +19,11 @@ std::span<const Knob> RasterKnobs::table() {
        .unit = "px",
        .lowest = 1,
        .highest = shared::raster_most_small_px,
-       .levels = {8},
-       .description =
-           "triangles up to this many pixels wide and high are rasterized by one thread; changes time, never the image",
+       .levels = {32},
+       .description = "triangles up to this many pixels wide and high, with several samples a pixel up to half as "
+                      "many, are rasterized by one thread; changes time, never the image",
        .kind = Trades::time,
-       .sweep = {1, 64, 8}},
+       .sweep = {1, 8, 64, 32}},
       {.name = "list",
        .member = &RasterKnobs::list,
        .lowest = 1,
@@ -83,7 +83,8 @@ void record_step(CommandList& commands, const SceneInputs& s, BufferHandle masks
                  shared::RasterizePush push) {
   push.large = commands.address(steps.large);
   push.most_large = uint32_t(knobs.list);
-  push.small_px = uint32_t(knobs.small_px);
+  // Of several samples a pixel costs a thread more. Measured on an H200: docs/understanding/visibility.md.
+  push.small_px = uint32_t(s.samples > 1 && push.views == 0 ? std::max(knobs.small_px / 2, 1) : knobs.small_px);
   if (commands.step() == 1) {
     push.groups = commands.address(steps.groups);
     commands.bind(steps.count);

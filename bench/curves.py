@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""The curves of error against time that README and docs quote: measured, kept and drawn by one command.
+"""The curves of error against time that the pages quote: measured, kept and drawn by one command.
 
     bench/curves.py measure [--device D] [--budget-s S] [--suites error,error-effects]
         runs each suite by `candela bench --error` within its time and keeps the rows in results/<device class>/curves-<suite>.json;
         with --report DIR also the pages with their figures
     bench/curves.py tables
-        puts the tables that follow from the kept files into bench/README.md
+        puts the tables that follow from the kept files into bench/results/README.md
     bench/curves.py check
         ends with 1 where that page says something else
 """
@@ -18,7 +18,7 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
-PAGE, BEGIN, END = ROOT / "README.md", "<!-- curves: bench/curves.py tables -->\n", "<!-- end of curves -->\n"
+PAGE, BEGIN, END = ROOT / "results/README.md", "<!-- curves: bench/curves.py tables -->\n", "<!-- end of curves -->\n"
 BOUNDS = (0.1, 0.01, 0.001)
 
 
@@ -100,7 +100,7 @@ def main():
     if options.what == "tables":
         PAGE.write_text(new)
     elif old != new:
-        print("bench/README.md is not what the kept files say: run bench/curves.py tables")
+        print("bench/results/README.md is not what the kept files say: run bench/curves.py tables")
         return 1
     return 0
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the pages of the films (docs/city.md) say of their frames; see README.md beside this file.
+"""What the pages of the films (docs/using/city.md) say of their frames; see README.md beside this file.
 
   film_quality.py stability SCENE.glb   every tenth frame with all layers: values that are not finite, lights that lists
                                         miss, and what beauty differs from the sum of its terms

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Error and time of metaballs' polygons over the size of their cells (docs/metaballs.md).
+"""Error and time of metaballs' polygons over the size of their cells (docs/understanding/metaballs.md).
 
     bench/metaballs.py --json FILE [--program FILE] [--size WxH] [--runs N]
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How far `relief.steps` and `relief.refinements` are from the surface (docs/relief.md).
+"""How far `relief.steps` and `relief.refinements` are from the surface (docs/understanding/relief.md).
 
     bench/relief.py --json FILE [--program FILE] [--size WxH] [--scene wall|column]
 

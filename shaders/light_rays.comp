@@ -73,34 +73,13 @@ void main() {
       uint covered;
       vec2 place;
       const uint triangle = take_triangle(covered, place);
-      const TriangleBatch batch = BatchesRef(frame.batches).b[triangle / triangle_batch_size];
-      has = (batch.flags & batch_unlit) == 0u;
+      const KeyedPoint k = keyed_point(triangle, place, pixel, covered);
+      has = (k.batch.flags & batch_unlit) == 0u;
       if (has) {
-        const Item item = load_item(batch.item);
-        const Geometry g = load_geometry(item.geometry);
-        const Corners corners = load_corners(frame.indices, item, g,
-            batch.first_triangle + triangle % triangle_batch_size);
-#ifdef RELIEFS
-        ViewRay ray;
-        TrianglePoint p;
-        ReliefPoint relief;
-        const bool on_relief = meet_keyed_relief(batch.flags, item, g, corners, load_material(item.material),
-            vec2(pixel) + place, pixel, covered, ray, p, relief);
-#else
-        const ViewRay ray = view_ray(vec2(pixel) + place);
-        const TrianglePoint p = meet_triangle(corners, ray);
-#endif
-        const vec3 to_viewer =
-            frame.perspective != 0u ? normalize(-view_ray(pixel_middle).direction) : frame.camera_back;
-        position = p.position;
-        const bool counter_clockwise = dot(p.plane, ray.direction) < 0.0;
-        vec3 normal = normalize_or(counter_clockwise ? p.plane : -p.plane, to_viewer);
-#ifdef RELIEFS
-        const bool is_front = counter_clockwise != ((batch.flags & batch_mirrored) != 0u);
-        if (on_relief) normal = is_front ? relief.front : -relief.front;
-#endif
+        position = k.at.position;
+        vec3 normal = keyed_plane_normal(k, keyed_direction_to_viewer());
         vec3 surface_point = position;
-        round_off(item, g, corners, p, normal, surface_point);
+        round_off(k.item, k.geometry, k.corners, k.at, normal, surface_point);
         begin_rays(surface_point, normal);
       }
     }

@@ -4,9 +4,7 @@
 layout(push_constant, scalar) uniform Push { ReflectionsOverPush pc; };
 #include "lib/frame.glsl"
 #include "lib/bindless.glsl"
-#include "lib/reflections.glsl"
-layout(constant_id = 0) const int SIDE = 1;     // of a texel, in pixels
-layout(constant_id = 1) const int SAMPLES = 1;  // of the frame's depth
+#include "lib/reflections_over.glsl"
 
 // Of beauty; or of two of its terms, each defined as its attachment's number among so many, which all get something:
 // llvmpipe 25.0.7 draws nothing where the first attachment is masked.
@@ -16,68 +14,9 @@ layout(location = 0) out vec4 out_terms[TERMS];
 layout(location = 0) out vec4 out_radiance;
 #endif
 
-vec3 point_at(ivec2 p, float depth) {
-  return occlusion_position(vec2(p) + 0.5, metres_of(depth), pc.subsample_ndc);
-}
-float frame_depth(ivec2 p, int s) {
-  return SAMPLES > 1 ? texelFetch(pass_multisampled_images[pc.depth], p, s).r
-      : texelFetch(pass_images[pc.depth], p, 0).r;
-}
-
 void main() {
-  const ivec2 pixel = ivec2(gl_FragCoord.xy);
-  const float depth = texelFetch(pass_images[pc.at.z], pixel, 0).r;
-  const vec3 fraction = unpack_reflectance(texelFetch(pass_uint_images[pc.at.reflectance], pixel, 0).xy).rgb;
-  vec3 gained = vec3(0.0), taken = vec3(0.0);
-  if (depth > 0.0 && fraction != vec3(0.0)) {
-    const vec3 p = point_at(pixel, depth);
-    const vec3 plane = unpack_normal(texelFetch(pass_uint_images[pc.at.surface], pixel, 0).w);
-    vec4 light = vec4(0.0);
-    if (SIDE == 1) {
-      light = texelFetch(pass_images[pc.light], pixel, 0);
-    } else {
-      // The four texels about the pixel, each by how near its surface lies to this one's plane; else the most alike.
-      const vec2 at = vec2(pixel) / float(SIDE), f = fract(at);
-      const ivec2 corner = ivec2(at), last = ivec2(pc.texels) - 1;
-      vec4 nearest = vec4(0.0);
-      float weights = 0.0, most = -1.0;
-      for (int i = 0; i < 4; ++i) {
-        const ivec2 o = ivec2(i & 1, i >> 1), texel = min(corner + o, last);
-        const ivec2 other = min(texel * SIDE, ivec2(frame.size_px) - 1);
-        const float z = texelFetch(pass_images[pc.at.z], other, 0).r;
-        if (!(z > 0.0)) continue;
-        const vec3 there = unpack_reflectance(texelFetch(pass_uint_images[pc.at.reflectance], other, 0).xy).rgb;
-        if (there == vec3(0.0)) continue;
-        const float like = occlusion_likeness(point_at(other, z), p, plane);
-        const vec4 value = texelFetch(pass_images[pc.light], texel, 0);
-        const vec2 b = mix(1.0 - f, f, vec2(o));
-        light += b.x * b.y * like * value;
-        weights += b.x * b.y * like;
-        if (like > most) {
-          most = like;
-          nearest = value;
-        }
-      }
-      light = weights > 1e-3 ? light / weights : nearest;
-    }
-    // The sky that is left: what the rays leave, or what near surfaces do, whichever is less.
-    const vec4 sky = texelFetch(pass_images[pc.at.sky], pixel, 0);
-    gained = fraction * light.rgb;
-    taken = sky.rgb * max(sky.a - min(sky.a, 1.0 - light.a), 0.0);
-    // Of the pixel's samples, as many as are of this surface.
-    if (SAMPLES > 1) {
-      float of_surface = 0.0;
-      for (int s = 0; s < SAMPLES; ++s) {
-        const float d = frame_depth(pixel, s);
-        if (!(d > 0.0)) continue;
-        const vec2 place = vec2(pixel) + sample_place_px(SAMPLES, uint(s));
-        const vec3 q = occlusion_position(place, metres_of(d), pc.subsample_ndc);
-        if (occlusion_likeness(q, p, plane) > 0.5) of_surface += 1.0 / float(SAMPLES);
-      }
-      gained *= of_surface;
-      taken *= of_surface;
-    }
-  }
+  vec3 gained, taken;
+  find_reflected(ivec2(gl_FragCoord.xy), gained, taken);
 #ifdef TERMS
   for (int i = 0; i < TERMS; ++i) out_terms[i] = vec4(0.0);
 #ifdef AMBIENT_SPECULAR

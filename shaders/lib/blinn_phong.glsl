@@ -1,7 +1,8 @@
 // The lobe of Blinn, "Models of Light Reflection for Computer Synthesized Pictures", 1977: a power of the cosine between
 // normal and half vector, normalised so that white reflects all of a uniform sky towards its normal, and less towards
-// other directions (docs/blinn-phong.md). Without a Fresnel term. The specular map of a file, and materials of other
-// models, have the exponent by roughness: facets are as wide for 2 / alpha^2 - 2 (Walter et al. 2007).
+// other directions (docs/understanding/blinn-phong.md). Without a Fresnel term. The specular map of a file, and
+// materials of other models, have the exponent by roughness: facets are as wide for 2 / alpha^2 - 2 (Walter et al.
+// 2007).
 const float most_exponent = 1e6;
 
 float exponent_of_roughness(float roughness) {

@@ -52,3 +52,55 @@ bool meet_keyed_relief(uint batch_flags, Item item, Geometry g, Corners corners,
   return meet_relief(item, g, corners, m, ray, p, relief);
 }
 #endif
+
+// What a keyed triangle, or the relief below it, has where the ray of a place meets it. Needs what lib/triangle.glsl
+// needs besides.
+struct KeyedPoint {
+  TriangleBatch batch;
+  Item item;
+  Geometry geometry;
+  Corners corners;
+  Material material;
+  ViewRay ray;
+  TrianglePoint at;
+#ifdef RELIEFS
+  bool on_relief;
+  ReliefPoint relief;
+#endif
+};
+// place: in the pixel, as take_triangle() gives it.
+KeyedPoint keyed_point(uint triangle, vec2 place, uvec2 pixel, uint covered) {
+  KeyedPoint k;
+  k.batch = BatchesRef(frame.batches).b[triangle / triangle_batch_size];
+  k.item = load_item(k.batch.item);
+  k.geometry = load_geometry(k.item.geometry);
+  k.corners = load_corners(frame.indices, k.item, k.geometry,
+      k.batch.first_triangle + triangle % triangle_batch_size);
+  k.material = load_material(k.item.material);
+#ifdef RELIEFS
+  k.on_relief = meet_keyed_relief(k.batch.flags, k.item, k.geometry, k.corners, k.material, vec2(pixel) + place, pixel,
+      covered, k.ray, k.at, k.relief);
+#else
+  k.ray = view_ray(vec2(pixel) + place);
+  k.at = meet_triangle(k.corners, k.ray);
+#endif
+  return k;
+}
+Varyings keyed_varyings(KeyedPoint k) {
+#ifdef RELIEFS
+  if (k.on_relief) return relief_varyings(k.item, k.geometry, k.corners, k.at, k.relief);
+#endif
+  return lit_varyings(k.item, k.geometry, k.corners, k.at);
+}
+bool is_counter_clockwise(KeyedPoint k) { return dot(k.at.plane, k.ray.direction) < 0.0; }
+bool is_front(KeyedPoint k) { return is_counter_clockwise(k) != ((k.batch.flags & batch_mirrored) != 0u); }
+// The triangle's own normal, or the relief's, on the viewer's side. to_viewer: in the place of one without direction.
+vec3 keyed_plane_normal(KeyedPoint k, vec3 to_viewer) {
+#ifdef RELIEFS
+  if (k.on_relief) return is_front(k) ? k.relief.front : -k.relief.front;
+#endif
+  return normalize_or(is_counter_clockwise(k) ? k.at.plane : -k.at.plane, to_viewer);
+}
+vec3 keyed_direction_to_viewer() {
+  return frame.perspective != 0u ? normalize(-view_ray(pixel_middle).direction) : frame.camera_back;
+}

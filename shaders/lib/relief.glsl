@@ -1,9 +1,10 @@
 #pragma once
-// Reliefs (CANDELA_relief, docs/relief.md): below a triangle the surface lies where a height texture says, as a depth
-// between the triangle's plane and a floor. A ray goes through that layer in even steps and then halves the step in
-// which it met the surface (Policarpo, Oliveira, Comba, "Real-Time Relief Mapping on Arbitrary Polygonal Surfaces",
-// 2005), or from texel to texel, where the bilinear height is a quadratic along the ray. Heights are sampled at one mip
-// level, that of the flat surface: no level jumps where the surface steps. Needs lib/bindless.glsl and shared/scene.h.
+// Reliefs (CANDELA_relief, docs/understanding/relief.md): below a triangle the surface lies where a height texture
+// says, as a depth between the triangle's plane and a floor. A ray goes through that layer in even steps and then
+// halves the step in which it met the surface (Policarpo, Oliveira, Comba, "Real-Time Relief Mapping on Arbitrary
+// Polygonal Surfaces", 2005), or from texel to texel, where the bilinear height is a quadratic along the ray. Heights
+// are sampled at one mip level, that of the flat surface: no level jumps where the surface steps. Needs
+// lib/bindless.glsl and shared/scene.h.
 layout(constant_id = 34) const int RELIEF_SEARCH = 0;
 const int RELIEF_STEPS = RELIEF_SEARCH & 0x7ff, RELIEF_REFINEMENTS = RELIEF_SEARCH >> 22 & 0x1f;
 const int RELIEF_LIGHT_STEPS = (RELIEF_SEARCH >> 11 & 0x7ff) - 1;  // lib/relief_light.glsl; below 0: none

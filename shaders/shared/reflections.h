@@ -43,8 +43,20 @@ struct ReflectionsOverPush {
   uvec2 texels;
   vec2 subsample_ndc;
 };
+// The same onto a picture of one sample, in compute.
+struct ReflectionsOverWholePush {
+  ReflectedSurfaces at;
+  uint light, depth;
+  uvec2 texels;
+  vec2 subsample_ndc;
+  uint64_t keys;  // in the place of depth: whose depths tell the same
+  uint color;
+};
 SHARED_END
 
+// What reflections_surface.comp finds in DrawPush::own: places of images among those that it writes.
+#define REFLECTIONS_SURFACE_IMAGES(z, surface, reflectance, sky, fog) \
+  ((z) | (surface) << 4 | (reflectance) << 8 | (sky) << 12 | (fog) << 16)
 // What reflections_rays.comp finds in DrawPush::table: places of images among those of the step, a byte each; samples
 // of this picture, how many pictures a supersampled frame has, and by how much the pattern of 4 by 4 texels is moved.
 #define REFLECTIONS_IMAGES(z, surface, reflectance, light) ((z) | (surface) << 8 | (reflectance) << 16 | (light) << 24)

@@ -7,7 +7,7 @@
 
 namespace candela {
 
-// The value is the exit code of the program (docs/design.md, "Errors").
+// The value is the exit code of the program (docs/building/design.md, "Errors").
 enum class ErrorKind : int {
   comparison = 1,
   usage = 2,

@@ -6,8 +6,8 @@
 
 #include "base/error.h"
 
-// What the program takes in, as rules of the whole process (docs/inputs.md). The command line sets them once, before
-// anything is read; none of them changes a picture.
+// What the program takes in, as rules of the whole process (docs/using/inputs.md). The command line sets them once,
+// before anything is read; none of them changes a picture.
 namespace candela {
 
 struct InputRules {

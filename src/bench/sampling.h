@@ -59,7 +59,7 @@ struct NoiseRules {
 };
 Judgement judge(std::span<const double> before, std::span<const double> after, const NoiseRules& rules);
 
-// What two configurations say about each other. docs/deciding.md is the whole rule, with its reasons.
+// What two configurations say about each other. docs/understanding/deciding.md is the whole rule, with its reasons.
 enum class Order { less, greater, equal, unclear };  // unclear: not distinguishable; equal: all pairs are equal
 struct Decision {
   Order order = Order::unclear;

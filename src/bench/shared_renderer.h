@@ -40,7 +40,7 @@ class SharedRenderer {
   Expected<FrameResult> one_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted,
                                   double time_s, SubframeSums& sums);
   Expected<void> open_scene(const Job& job);
-  // What of the job and its look belongs to the scene: paths and instances (docs/paths.md).
+  // What of the job and its look belongs to the scene: paths and instances (docs/using/paths.md).
   Expected<void> follow_motion(const Job& job);
   Expected<void> read_sky(const std::string& sky_file, const std::string& look_file);
   JobSky sky_;

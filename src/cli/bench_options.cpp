@@ -161,11 +161,10 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
   command.add_option("what", o.what, "Suite files (.json), scenes (.gltf, .glb), or generated scenes by name")
       ->type_name("SUITE.json|SCENE");
   command
-      .add_option(
-          "--suite", o.suite,
-          "Built-in suite: exactness renders in all techniques and counts differing pixels; stability renders "
-          "extreme scenes and measures them against the truth; stillness measures how much pictures boil under a "
-          "slowly moving camera")
+      .add_option("--suite", o.suite,
+                  "Built-in suite: exactness renders in all techniques and counts differing pixels; stability renders "
+                  "extreme scenes and measures them against the truth; stillness measures how much pictures flicker "
+                  "under a slowly moving camera")
       ->type_name("NAME");
   command
       .add_option("--techniques", o.techniques,
@@ -188,23 +187,23 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
   command.add_option("--fps", o.fps, "Frames per second of --frames")->capture_default_str()->type_name("RATE");
   command.add_option("--camera", o.camera, "Camera of the scenes by name or index")->type_name("NAME");
   command.add_option("--seed", o.seed, "Seed of generated scenes")->transform(whole_number<uint64_t>())->type_name("N");
-  command.add_option("--output", o.output, "What a timed frame leaves: exr (linear), png (tone-mapped) or both")
+  command.add_option("--output", o.output, "What a timed frame produces: exr (linear), png (tone-mapped) or both")
       ->type_name("NAME");
   command.add_option("--reference", o.reference, "Technique whose pixels the others must have")->type_name("NAME");
   command
       .add_option("--reference-max-lights", o.reference_max_lights,
-                  "The reference is rendered once up to here, even where it is not measured")
+                  "Compare pixels with the reference technique up to this many lights, even where it is not measured")
       ->transform(whole_number<int>())
       ->check(positive_number())
       ->type_name("N");
-  command.add_option("--precision", o.precision, "Wanted standard error of medians, as a part of them")
+  command.add_option("--precision", o.precision, "Standard error to reach, as a part of the median; 0.01 is 1 %")
       ->check(positive_number())
       ->type_name("X");
-  command.add_option("--min-runs", o.min_runs, "Samples of every configuration, the pilot")
+  command.add_option("--min-runs", o.min_runs, "Least number of samples of every configuration")
       ->transform(whole_number<int>())
       ->check(positive_number())
       ->type_name("N");
-  command.add_option("--max-runs", o.max_runs, "Cap on samples; rows that hit it say so")
+  command.add_option("--max-runs", o.max_runs, "Largest number of samples; rows that reach it say so")
       ->transform(whole_number<int>())
       ->check(positive_number())
       ->type_name("N");
@@ -216,14 +215,15 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
       ->check(non_negative_number())
       ->type_name("N");
   command
-      .add_option("--budget-s", o.budget_s,
-                  "Of suites: time for samples; opening and the least number of runs of each row are taken whatever "
-                  "they take. With --error: time for all of it, opening and references too; rows in the order of use")
+      .add_option(
+          "--budget-s", o.budget_s,
+          "For suites: time for samples; opening each configuration, and --min-runs of each, are not limited by it. "
+          "With --error: time for everything, also for opening and references; the most useful rows are measured first")
       ->check(positive_number())
       ->type_name("SECONDS");
   command.add_flag("--error", o.error,
-                   "Error against time: every knob along its ladder, and every technique at every quality, against "
-                   "exact and traced pictures");
+                   "Measure error against time: every knob from coarse to exact, and every technique at every quality, "
+                   "against exact and traced pictures");
   command.add_flag("--resume", o.resume,
                    "With --error: go on from the rows that --json FILE holds; it is written after every row");
   command
@@ -242,7 +242,7 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
       ->type_name("auto|START,STOP,COUNT");
   command
       .add_option("--views", o.views,
-                  "With --error: views of each place, its own the first; 6 by default, fewer distinguish less")
+                  "With --error: views of each scene, its own first (6); with fewer, fewer differences are sure")
       ->transform(whole_number<int>())
       ->check(positive_number())
       ->type_name("N");
@@ -252,8 +252,8 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
       ->type_name("N");
   command
       .add_option("--only", o.only,
-                  "With --suite stability, or a suite file of it: scenes whose family/name holds one of these; with "
-                  "--suite stillness places whose scene does")
+                  "With --suite stability (or a suite file of it): only scenes whose family/name contains one of "
+                  "these; with --suite stillness: only these scenes")
       ->type_name("LIST");
   command.add_option("--pictures", o.pictures, "With --suite stability: folder for a PNG and the .glb of each scene")
       ->type_name("DIR");
@@ -268,17 +268,18 @@ void add_bench_options(CLI::App& command, BenchOptions& o) {
   command.add_option("--from", o.from, "Make the report from rows that were kept, instead of measuring")
       ->type_name("ROWS.json");
   command
-      .add_option("--compare", o.compare, "Say what became slower or faster beyond noise; exit 1 when something did")
+      .add_option("--compare", o.compare,
+                  "Print what became slower or faster beyond noise; exit 1 if anything became "
+                  "slower")
       ->expected(2)
       ->type_name("OLD.json NEW.json");
   command
-      .add_option(
-          "--no-slower-than", o.no_slower_percent,
-          "With --compare: exit 0 only where every frame is slower by at most so much with 95 % confidence, all "
-          "together; OLD may be a folder of such files, of which the device's own counts")
+      .add_option("--no-slower-than", o.no_slower_percent,
+                  "With --compare: exit 0 only if, with 95 % confidence for all rows together, no frame is slower by "
+                  "more than this; OLD may be a folder, from which the file of the same device is taken")
       ->check(non_negative_number())
       ->type_name("PERCENT");
-  command.add_option("--min-change", o.min_change, "With --compare: smaller changes are not reported, as a part")
+  command.add_option("--min-change", o.min_change, "With --compare: smallest change to report; 0.05 is 5 %")
       ->check(non_negative_number())
       ->capture_default_str()
       ->type_name("X");
@@ -423,7 +424,7 @@ Expected<ErrorSweepOptions> error_sweep_of(const BenchOptions& o) {
   SamplingRules& sampling = options.base.sampling;
   if (!o.precision) sampling.precision = std::max(sampling.precision, 0.03);
   if (!o.max_runs) sampling.max_runs = std::min(sampling.max_runs, 24);
-  // Twofold differences are found in eight rounds (docs/deciding.md), and most of them in six.
+  // Twofold differences are found in eight rounds (docs/understanding/deciding.md), and most of them in six.
   if (!o.min_runs) sampling.min_runs = std::max(sampling.min_runs, 6);
   if (o.reference_spp) options.truth.spp = *o.reference_spp;
   if (o.hdr_flip != "auto") {

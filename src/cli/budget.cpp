@@ -38,13 +38,13 @@ Expected<BudgetPlace> place_of(const Job& job, const std::string& device) {
 void add_budget_options(CLI::App& command, BudgetOptions& o) {
   CLI::Option* time = command
                           .add_option("--time-budget", o.time_ms,
-                                      "The most exact technique, quality and knobs whose GPU time is below this with "
-                                      "95 % confidence, by --sweep")
+                                      "Use the most exact technique, quality and knobs of --sweep whose GPU time is "
+                                      "below this with 95 % confidence")
                           ->check(positive_number())
                           ->type_name("MS");
   command
       .add_option("--error-budget", o.error,
-                  "The cheapest technique, quality and knobs with no more error, by --sweep: relMSE=0.01")
+                  "Use the cheapest technique, quality and knobs of --sweep with at most this error: relMSE=0.01")
       ->type_name("METRIC=VALUE")
       ->excludes(time);
   command
@@ -52,8 +52,8 @@ void add_budget_options(CLI::App& command, BudgetOptions& o) {
       ->type_name("ROWS.json");
   command
       .add_option("--error-reference", o.reference,
-                  "What --error-budget and --time-budget mean by error: exact, direct-unshadowed, direct or path; by "
-                  "default what the file's rows are judged by, which holds what the frame draws")
+                  "What error is measured against for --error-budget and --time-budget: exact, direct-unshadowed, "
+                  "direct or path; by default the reference that the file's rows are judged by")
       ->type_name("NAME");
 }
 

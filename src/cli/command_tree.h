@@ -8,8 +8,8 @@ class App;
 
 namespace candela::cli {
 
-// The parser as a value, for what is generated from it: man pages, pages of docs/commands and shell completion. Hidden
-// commands and options are left out.
+// The parser as a value, for what is generated from it: man pages, pages of docs/using/commands and shell completion.
+// Hidden commands and options are left out.
 struct OptionEntry {
   std::vector<std::string> names;  // "-o", "--output"; of a positional one name without dashes
   std::string value;               // what follows it: FILE, N; empty of flags

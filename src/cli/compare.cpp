@@ -205,10 +205,9 @@ void add_compare(CLI::App& app, Action& action) {
   command->add_option("a", o->a, "Reference")->type_name("A");
   command->add_option("b", o->b, "Image under test")->type_name("B");
   command
-      ->add_option(
-          "--limit", o->limits,
-          "Exit 1 beyond it, in the whole image or in a region: max, mae, rmse, relmse, relmse-trimmed, p50, p90, p99, "
-          "p99.9, psnr, ssim, flip, hdr-flip or differing; may be given again")
+      ->add_option("--limit", o->limits,
+                   "Exit 1 if a metric is worse than this, in the whole image or in a region: max, mae, rmse, relmse, "
+                   "relmse-trimmed, p50, p90, p99, p99.9, psnr, ssim, flip, hdr-flip or differing; may be given again")
       ->allow_extra_args(false)
       ->type_name("METRIC=VALUE");
   command
@@ -218,16 +217,17 @@ void add_compare(CLI::App& app, Action& action) {
       ->type_name("X,Y,W,H");
   command
       ->add_option("--hdr-flip", o->hdr_flip,
-                   "Exposures of hdr-flip in stops: auto takes them from the reference; fix them where several results "
-                   "are compared; or off")
+                   "Exposures of hdr-flip in stops; auto takes them from the reference (give them to compare several "
+                   "results); off")
       ->capture_default_str()
       ->type_name("auto|off|START,STOP,COUNT");
   command->add_option("--heatmap", o->heatmap, "FLIP of every pixel as colours")->type_name("FILE.png");
   command->add_option("--html", o->html, "A page with both pictures, to slide, blink and zoom, and what was measured")
       ->type_name("FILE");
   add_decode_budget(*command);
-  command->add_flag("--allow-nonfinite", o->allow_nonfinite,
-                    "NaN and infinity at the same place in both images are no difference; else they are exit 1");
+  command->add_flag(
+      "--allow-nonfinite", o->allow_nonfinite,
+      "NaN and infinity at the same place in both images are not a difference; otherwise they are exit 1");
   command->add_flag("--quiet", o->quiet, "Only warnings and errors on stderr");
   command->add_flag("--json", o->json, "As JSON");
   command->callback([o, &action] { action = [o] { return run_compare(*o); }; });

@@ -267,16 +267,16 @@ std::set<std::string> names_of(const CLI::App& command) {
 void add_writer(CLI::App& farm, const char* name, const char* help, Writer writer,
                 const std::shared_ptr<FarmOptions>& o, Action& action) {
   CLI::App* command = farm.add_subcommand(name, help);
-  command->add_option("--job", o->folder, "Folder of the job, for all machines; SCENE.farm where nothing is given")
+  command->add_option("--job", o->folder, "Folder of the job, which all machines see; by default SCENE.farm")
       ->type_name("DIR");
-  command->add_option("--name", o->name, "Name of the job; the scene's where nothing is given")->type_name("NAME");
+  command->add_option("--name", o->name, "Name of the job; by default the scene's")->type_name("NAME");
   command
       ->add_option("--shards", o->shards,
-                   "Parts that the frames are shared out to; 0: a part for 8 frames, at most 1000")
+                   "How many parts the frames are divided into; 0: one for every 8 frames, at most 1000")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str()
       ->type_name("N");
-  command->add_option("--rounds", o->rounds, "How often a part is tried")
+  command->add_option("--rounds", o->rounds, "How many times a part is tried")
       ->check(CLI::Range(1, 100))
       ->capture_default_str()
       ->type_name("N");
@@ -284,7 +284,7 @@ void add_writer(CLI::App& farm, const char* name, const char* help, Writer write
       ->check(CLI::Range(1, 4096))
       ->capture_default_str()
       ->type_name("N");
-  command->add_option("--memory-mb", o->needs.memory_mb, "Memory for a part, MiB; doubled where it was not enough")
+  command->add_option("--memory-mb", o->needs.memory_mb, "Memory for a part, MiB; doubled when it was not enough")
       ->check(CLI::Range(1, 1 << 26))
       ->capture_default_str()
       ->type_name("MIB");
@@ -292,11 +292,11 @@ void add_writer(CLI::App& farm, const char* name, const char* help, Writer write
       ->check(CLI::Range(0, 64))
       ->capture_default_str()
       ->type_name("N");
-  command->add_option("--minutes", o->needs.minutes, "Longest time for a part; 0: as the engine says")
+  command->add_option("--minutes", o->needs.minutes, "Longest time for a part, in minutes; 0: the engine's own limit")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str()
       ->type_name("N");
-  command->add_option("--program", o->program, "The candela that machines run; this one where nothing is given")
+  command->add_option("--program", o->program, "The candela program that the machines run; by default this one")
       ->type_name("FILE");
   if (writer == slurm_file) {
     command->add_option("--slurm", o->engine_options, "An option of sbatch, as partition=night; may be given again")
@@ -318,7 +318,7 @@ CLI::App* add_folder_command(CLI::App& farm, const char* name, const char* help,
                              const std::shared_ptr<StatusOptions>& o) {
   CLI::App* command = farm.add_subcommand(name, help);
   command->add_option("folder", o->folder, "Folder of the job")->required()->type_name("DIR");
-  command->add_option("--lost-after", o->lost_after_s, "A run of which nothing was heard for so long is taken for dead")
+  command->add_option("--lost-after", o->lost_after_s, "A run that has not been heard of for this long counts as dead")
       ->check(non_negative_number())
       ->capture_default_str()
       ->type_name("SECONDS");
@@ -328,13 +328,14 @@ CLI::App* add_folder_command(CLI::App& farm, const char* name, const char* help,
 }  // namespace
 
 void add_farm(CLI::App& app, Action& action) {
-  CLI::App* farm = app.add_subcommand("farm", "Let several machines make a film, by an engine that is there");
+  CLI::App* farm =
+      app.add_subcommand("farm", "Share a film among several machines, by Slurm, OpenCue, make or the shell");
   farm->require_subcommand(1);
   const auto writer = [&](const char* name, const char* help, Writer write) {
     add_writer(*farm, name, help, write, std::make_shared<FarmOptions>(), action);
   };
-  writer("slurm", "Write a file for sbatch (docs/farm.md)", slurm_file);
-  writer("opencue", "Write an outline for OpenCue", opencue_files);
+  writer("slurm", "Write a file for sbatch (docs/using/farm.md)", slurm_file);
+  writer("opencue", "Write an outline for OpenCue (experimental)", opencue_files);
   writer("make", "Write a file for GNU make", make_file);
   writer("shell", "Write a shell script that any number of machines may run at the same time", shell_file);
   auto o = std::make_shared<StatusOptions>();
@@ -343,8 +344,8 @@ void add_farm(CLI::App& app, Action& action) {
   status->add_flag("--json", o->json, "As JSON");
   status->callback([o, &action] { action = [o] { return run_status(*o); }; });
   CLI::App* check = add_folder_command(
-      *farm, "check", "See whether all frames are there and whole, then make the film; exit 1 and what to do otherwise",
-      o);
+      *farm, "check",
+      "Check that all frames are there and whole, then make the film; otherwise exit 1 and print what to do", o);
   check->callback([o, &action] { action = [o] { return run_check(*o); }; });
 }
 

@@ -227,7 +227,7 @@ void add_golden(CLI::App& app, Action& action) {
                    "Folder for an HTML page of failures, a JUnit file and what `golden accept` takes")
       ->type_name("DIR");
   check->add_flag("--exact", o->exact,
-                  "Only the same pixels pass on any device, not only on the one that a golden was made on");
+                  "Only identical pixels pass, on every device, not only on the one that a golden was made on");
   check->add_flag("--json", o->json, "As JSON");
   check->callback([o, &action] { action = [o] { return run_check(*o); }; });
   add_golden_accept(*golden, action);
@@ -237,7 +237,7 @@ void add_golden(CLI::App& app, Action& action) {
   update->add_option("--why", o->why, "Why they change; noted in CHANGES.md")->type_name("TEXT");
   update
       ->add_option("--device-class", o->device_class,
-                   "Of a golden that was made on another class of device: keeps a picture of this class beside it")
+                   "Keep a picture for this class of device beside one made on another class")
       ->type_name("NAME");
   update->callback([o, &action] { action = [o] { return run_update(*o); }; });
 }

@@ -121,7 +121,7 @@ void add_golden_add(CLI::App& golden, Action& action) {
   add->add_option("--root", o->root, "Folder of the goldens; scenes are named from the folder that it lies in")
       ->capture_default_str()
       ->type_name("DIR");
-  add->add_option("--name", o->name, "Of the golden; the scene's, and the frame's number, where it is left out")
+  add->add_option("--name", o->name, "Name of the golden; by default the scene's, with the frame number")
       ->type_name("NAME");
   add->add_option("--format", o->format, "png: as it is shown; exr: linear")->capture_default_str()->type_name("NAME");
   add->add_option("--why", o->why, "Noted in CHANGES.md")->capture_default_str()->type_name("TEXT");

@@ -19,7 +19,7 @@ namespace candela::cli {
 //            objects with the digest, device, driver, who accepted it, at which commit and why
 //   made     device class, device, driver and version of the last update, who made it and at which commit
 //   also_made  the same of pictures of other device classes: golden.CLASS.png or .exr
-// docs/goldens.md is the page for users, docs/schemas/golden.schema.json the schema.
+// docs/using/goldens.md is the page for users, docs/schemas/golden.schema.json the schema.
 inline constexpr std::string_view made_prefix = "made:";  // of job.scene and job.sky
 // What a picture was rendered by. Pictures of one device and driver have the same bytes: lavapipe's names hold the
 // version of LLVM and the width of its vectors, which it chooses by the processor.

@@ -19,7 +19,7 @@ void add_decode_budget(CLI::App& command) {
             rules.decode_budget_bytes = mib << 20;
             set_input_rules(std::move(rules));
           },
-          "MiB that textures, sky and meshes of a scene may take decoded; more is exit 3 (4096)")
+          "MiB that the decoded textures, sky and meshes of a scene may take (4096); more is exit 3")
       ->transform(whole_number<uint64_t>())
       ->type_name("MIB");
 }
@@ -39,7 +39,7 @@ void add_input_options(CLI::App& command) {
             }
             set_input_rules(std::move(rules));
           },
-          "Folder that scenes and suites may name files in, beside their own; may be given again")
+          "Another folder in which scenes and suites may name files, besides their own; may be given again")
       ->allow_extra_args(false)
       ->type_name("DIR");
   add_decode_budget(command);

@@ -35,17 +35,18 @@ void add_technique_options(CLI::App& command, JobOptions& o) {
       ->type_name("N");
   command
       .add_option("--technique", o.technique,
-                  "How the frame is made (candela list techniques), or auto: what is quickest on the device")
+                  "How the frame is made (candela list techniques); auto: the quickest on the device")
       ->capture_default_str()
       ->type_name("NAME");
   command
-      .add_option(
-          "--transparency", o.transparency,
-          "How blended surfaces come over each other (candela list transparency), or auto: exactly (layers) where "
-          "the device can, else by moments")
+      .add_option("--transparency", o.transparency,
+                  "How blended surfaces in front of each other are drawn (candela list transparency); auto: exactly "
+                  "(layers) if the device can, else by moments")
       ->capture_default_str()
       ->type_name("NAME");
-  command.add_option("--set", o.settings, "One knob, over the preset (candela list knobs); may be given again")
+  command
+      .add_option("--set", o.settings,
+                  "Set one knob, instead of the quality's value (candela list knobs); may be given again")
       ->allow_extra_args(false)
       ->type_name("PASS.KNOB=VALUE");
 }
@@ -53,17 +54,17 @@ void add_technique_options(CLI::App& command, JobOptions& o) {
 void add_window_options(CLI::App& command, JobOptions& o) {
   command
       .add_option("--region", o.region,
-                  "Render this part of the picture alone, in pixels from its upper left corner: the same pixels as of "
-                  "the whole (docs/outputs.md)")
+                  "Render only this part of the picture, in pixels from its upper left corner; its pixels are those of "
+                  "the whole picture (docs/using/outputs.md)")
       ->type_name("X,Y,W,H");
   command
       .add_option("--overscan", o.overscan,
-                  "The picture reaches beyond its size on each side: by pixels, or by a percentage of width and height")
+                  "Render beyond the picture on each side, by pixels or by a percentage of width and height")
       ->type_name("PX|P%");
   command
       .add_option("--light-groups", o.light_groups,
-                  "The light of lights at these nodes as EXR layer light_NAME, that of all others as light_rest; * "
-                  "stands for any letters; may be given again")
+                  "Write the light of the lights at these nodes to the EXR layer light_NAME, that of all others to "
+                  "light_rest; * stands for any letters; may be given again")
       ->allow_extra_args(false)
       ->type_name("NAME=NODE,...");
 }
@@ -71,12 +72,14 @@ void add_window_options(CLI::App& command, JobOptions& o) {
 void add_effect_options(CLI::App& command, JobOptions& o) {
   command
       .add_option("--quality", o.quality,
-                  "Preset of all knobs: draft, normal, high or exact (on a CPU candela reference is the quicker truth)")
+                  "Preset of all knobs: draft, normal, high or exact (on a CPU candela reference gives the exact "
+                  "picture sooner)")
       ->capture_default_str()
       ->type_name("NAME");
   command
       .add_option("--effects", o.effects,
-                  "auto (truth by quality, look by the look file), none, or names separated by commas (docs/design.md)")
+                  "auto (lighting effects by quality, others by the look file), none, or names separated by commas "
+                  "(docs/understanding/effects.md)")
       ->capture_default_str()
       ->type_name("LIST");
 }
@@ -88,18 +91,18 @@ namespace {
 void add_motion_options(CLI::App& command, JobOptions& o) {
   command
       .add_option("--camera-path", o.camera_path,
-                  "The camera goes along a B-spline over the points of a file: FILE[,times=FILE][,closed]... "
-                  "(docs/paths.md)")
+                  "Move the camera along a B-spline through the points of a file: FILE[,times=FILE][,closed]... "
+                  "(docs/using/paths.md)")
       ->type_name("FILE,...");
   command
       .add_option("--path", o.paths,
-                  "A node by name, or 'light NAME', goes along one: NODE=FILE[,times=FILE]...; may be given again")
+                  "Move a node (by name, or 'light NAME') along a path: NODE=FILE[,times=FILE]...; may be given again")
       ->allow_extra_args(false)
       ->type_name("NODE=FILE,...");
   command
       .add_option("--instances", o.instances,
-                  "A node's mesh is drawn once for each three vectors of a file: NODE=FILE[,rotation=zyx]"
-                  "[,units=radians][,order=trs]; may be given again")
+                  "Draw a node's mesh at each place that a file lists: "
+                  "NODE=FILE[,rotation=zyx][,units=radians][,order=trs]; may be given again")
       ->allow_extra_args(false)
       ->type_name("NODE=FILE,...");
 }
@@ -110,43 +113,44 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   command
       .add_option(
           "--up", o.up,
-          "Axis of the file that points up: y, as glTF has it, z or x; --eye and --target are of the file's axes")
+          "Axis of the file that points up: y (glTF's), z or x; --eye and --target are given in the file's own axes")
       ->capture_default_str()
       ->type_name("AXIS");
   command.add_option("--fps", o.fps, "Frames per second: 24, 23.976, 30000/1001")
       ->capture_default_str()
       ->type_name("RATE");
   command
-      .add_option(
-          "--animation", o.animation,
-          "Animations that play: a name, an index, auto (all but those that move what one before them moves), all "
-          "or none")
+      .add_option("--animation", o.animation,
+                  "Animations to play: a name, an index, all, none, or auto: all except those that move what an "
+                  "earlier one moves")
       ->capture_default_str()
       ->type_name("NAME");
   command
-      .add_option(
-          "--camera", o.camera,
-          "Camera of the scene by name or index; without one the first, else all that a film shows is framed; render "
-          "takes all, one picture each")
+      .add_option("--camera", o.camera,
+                  "Camera of the scene, by name or index; by default the first, or one that shows everything if the "
+                  "file has none; render also takes all: a picture from each")
       ->type_name("NAME");
   command.add_option("--eye", o.eye, "Camera position, metres; goes with --target")->type_name("X,Y,Z");
   command.add_option("--target", o.target, "Point that the camera looks at, metres")->type_name("X,Y,Z");
   command.add_option("--yfov", o.yfov_deg, "Vertical field of view")->type_name("DEGREES");
   command
-      .add_option("--azimuth", o.azimuth_deg,
-                  "Frames the bounds, seen from so far to the right of the front; 30 where only --elevation is given")
+      .add_option(
+          "--azimuth", o.azimuth_deg,
+          "Look at the whole scene from so many degrees to the right of its front; 30 if only --elevation is given")
       ->type_name("DEGREES");
-  command.add_option("--elevation", o.elevation_deg, "The same, from so far above; 20 where only --azimuth is given")
+  command
+      .add_option("--elevation", o.elevation_deg,
+                  "Look at the whole scene from so many degrees above; 20 if only --azimuth is given")
       ->type_name("DEGREES");
   command.add_flag(
       "--fit", o.fit,
-      "The camera moves, looking the same way, until what is drawn fills the picture; one camera for a film");
-  command.add_flag("--follow", o.follow, "Cameras that place themselves follow what moves, frame by frame");
+      "Move the camera, in the direction that it looks, until what is drawn fills the picture; once for a whole film");
+  command.add_flag("--follow", o.follow,
+                   "Place the automatic camera anew for each frame, so that it follows what moves");
   command
-      .add_option(
-          "--turntable", o.turntable,
-          "The camera goes once about the bounds in N frames, from --azimuth on; with --animation none all else "
-          "stands")
+      .add_option("--turntable", o.turntable,
+                  "Turn the camera once around the scene in N frames, beginning at --azimuth; --animation none keeps "
+                  "everything else still")
       ->check(CLI::Range(1, 1000000))
       ->type_name("N");
   if (renderer != Renderer::none) add_shutter_options(command, o);
@@ -158,24 +162,23 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   if (renderer == Renderer::gpu) add_technique_options(command, o);
   if (renderer != Renderer::reference) add_effect_options(command, o);
   command
-      .add_option(
-          "--sky", o.sky,
-          "Equirectangular .hdr or .exr, or six faces (a folder, or a path with *), that light the scene and "
-          "fill the background; studio: soft boxes, which light alone; neutral: even light, for files without any; "
-          "atmosphere: the day sky of the scene's sun; auto: the look's, or the studio where the file has no light "
-          "either; none: no light but the scene's own")
+      .add_option("--sky", o.sky,
+                  "Equirectangular .hdr or .exr, or six faces (a folder, or a path with *), which lights the scene and "
+                  "fills the background; studio: soft boxes, not seen in the background; neutral: even light; "
+                  "atmosphere: a day sky with the scene's sun; auto: the look's sky, or the studio if the file has no "
+                  "light either; none: only the scene's own light")
       ->capture_default_str()
       ->type_name("FILE");
   command
-      .add_option("--look", o.look,
-                  "Look file (docs/look.md); NAME.look.json beside the scene where nothing is given; none: no look")
+      .add_option(
+          "--look", o.look,
+          "Look file (docs/using/look.md); by default NAME.look.json beside the scene, if it is there; none: no look")
       ->type_name("FILE");
   if (renderer != Renderer::none)
     command
-        .add_option(
-            "--sides", o.sides,
-            "Light from behind faces that are single-sided: block stops it, open lets it through, auto: open where "
-            "the camera looks through many such faces")
+        .add_option("--sides", o.sides,
+                    "Whether light comes through single-sided faces from behind: block stops it, open lets it through, "
+                    "auto is open if the camera looks through many such faces")
         ->capture_default_str()
         ->type_name("auto|block|open");
   command
@@ -201,16 +204,17 @@ void add_device_options(CLI::App& command, JobOptions& o) {
                   "cpu, gpu, an index, a UUID or part of a name (candela list devices); the best GPU by default")
       ->type_name("DEVICE");
   command.add_flag("--allow-cpu", o.allow_cpu,
-                   "The CPU device where there is no GPU, without a word; on farms too, where a GPU was there");
+                   "Use the CPU without a warning if there is no GPU; on farms too, even if the job was made on a "
+                   "machine with a GPU");
   command.add_flag("--validate", o.validate,
-                   "Khronos validation layer with synchronization checks; a message is exit 4");
+                   "Run with the Khronos validation layer and synchronization checks; any message is exit 4");
   command.add_option("--shader-dir", o.shader_folder, "Shaders from this folder instead of the built-in ones")
       ->type_name("DIR");
   command.add_option("--timeout", o.timeout_s, "Longest wait for one frame")
       ->capture_default_str()
       ->type_name("SECONDS");
   command
-      .add_option("--queues", o.queues, "1: all passes on one queue, also where the device has a second for compute")
+      .add_option("--queues", o.queues, "1: all passes on one queue, even if the device has a second one for compute")
       ->check(CLI::Range(1, 2))
       ->capture_default_str()
       ->type_name("N");
@@ -220,8 +224,8 @@ void add_device_options(CLI::App& command, JobOptions& o) {
 void add_strict_option(CLI::App& command, JobOptions& o) {
   command
       .add_flag("--strict{all}", o.strict,
-                "A warning about the scene, an ignored extension or a frame in which nothing is drawn is exit 3; "
-                "--strict=loss: only where a texture, a surface or a light is lost")
+                "Exit 3 on a warning about the scene, an ignored extension, or a frame in which nothing is drawn; "
+                "--strict=loss: only if a texture, a surface or a light is lost")
       ->check(CLI::IsMember({"all", "loss"}));
 }
 
@@ -229,7 +233,7 @@ void add_run_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   if (renderer == Renderer::gpu) add_device_options(command, o);
   add_strict_option(command, o);
   if (renderer == Renderer::gpu)
-    command.add_flag("--allow-blank", o.allow_blank, "A frame in which nothing is drawn passes --strict");
+    command.add_flag("--allow-blank", o.allow_blank, "Let a frame in which nothing is drawn pass --strict");
   command.add_option("--config", o.config, "Options from an INI or TOML file; the command line goes first")
       ->type_name("FILE");
   command.add_flag("--quiet", o.quiet, "Only warnings and errors on stderr");

@@ -167,7 +167,7 @@ void add_list(CLI::App& app, Action& action) {
   add_names(*list, action, o, "passes", "Passes, the keys of timings and knobs", pass_names);
   CLI::App* knobs = list->add_subcommand("knobs", "Knobs of all passes with their values (--set)");
   knobs->add_option("--quality", o->quality, "Values at this preset")->capture_default_str()->type_name("NAME");
-  knobs->add_flag("--all", o->all, "Also those for experts, which no quality moves");
+  knobs->add_flag("--all", o->all, "Also knobs for experts, which no quality changes");
   knobs->add_flag("--json", o->json, "As JSON, all of them");
   knobs->callback([o, &action] { action = [o] { return list_knobs(*o); }; });
   add_names(*list, action, o, "layers", "EXR layers beside beauty (--layers)", layer_names, layer_description);

@@ -94,7 +94,7 @@ void add_manual(CLI::App& app, Action& action) {
   CLI::App* manual = app.add_subcommand("manual", "Write man pages and completion as an installation has them");
   manual->group("");
   manual->add_option("folder", o->folder, "Folder for man/, bash-completion/ and so on")->type_name("DIR")->required();
-  manual->add_flag("--docs", o->docs, "The pages of docs/commands instead");
+  manual->add_flag("--docs", o->docs, "The pages of docs/using/commands instead");
   manual->callback([o, &app, &action] { action = [o, &app] { return write_manual(app, *o); }; });
 }
 

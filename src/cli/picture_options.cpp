@@ -21,14 +21,14 @@ void add_layer_options(CLI::App& command, JobOptions& o) {
 void add_picture_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   command
       .add_option("--shading", o.shading,
-                  "How surfaces answer light: pbr, blinn-phong (Blinn's lobe instead of facets, no layers), or lambert "
+                  "Reflection model: pbr, blinn-phong (Blinn's lobe instead of microfacets, no layers), or lambert "
                   "(the base colour, without gloss)")
       ->capture_default_str()
       ->type_name("NAME");
   command
-      .add_option(
-          "--exposure", o.exposure,
-          "Stops, over the look's; 0 where neither says; auto: one value for the whole film, metered at fixed times")
+      .add_option("--exposure", o.exposure,
+                  "Exposure in stops, instead of the look's; 0 by default; auto: one value for the whole film, metered "
+                  "at fixed times")
       ->type_name("EV");
   command
       .add_option(
@@ -39,9 +39,8 @@ void add_picture_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   if (renderer == Renderer::gpu) add_layer_options(command, o);
   command
       .add_option("--background", o.background,
-                  "Where there is no sky: transparent; a colour of the display by name or #rrggbb, which PNG and video "
-                  "are laid "
-                  "over; or linear R,G,B of the scene")
+                  "What is seen where there is no sky: transparent; a display colour by name or #rrggbb, put behind "
+                  "PNG and video; or linear R,G,B of the scene")
       ->capture_default_str()
       ->type_name("COLOR");
   command.add_option("--seed", o.seed, "Seed of all noise")
@@ -59,7 +58,7 @@ void add_picture_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   command.add_flag("--no-dither", o.no_dither, "Round to 8 bits without dither");
   if (renderer == Renderer::gpu)
     command.add_flag("--metadata-timings", o.metadata_timings,
-                     "Write timings into the EXR header; its bytes then differ from run to run");
+                     "Write timings into the EXR header; the file's bytes then differ from run to run");
   command.add_flag("--allow-nonfinite", o.allow_nonfinite, "Write images that hold NaN or infinity instead of exit 7");
 }
 

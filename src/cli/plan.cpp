@@ -126,7 +126,7 @@ void add_plan(CLI::App& app, Action& action) {
   CLI::App* command =
       app.add_subcommand("plan", "Print what would run, what is left out and why, and the memory; needs no device");
   auto o = add_common(*command, Renderer::gpu);
-  command->add_option("-o,--output", o->outputs, "Plan for these files (only the endings matter); without any for EXR")
+  command->add_option("-o,--output", o->outputs, "Plan for these files (only the endings matter); by default for EXR")
       ->allow_extra_args(false)
       ->type_name("FILE");
   command->add_flag("--json", o->job.json, "As JSON");
@@ -137,7 +137,7 @@ void add_plan(CLI::App& app, Action& action) {
 void add_facts(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("facts", "Print what the scene holds at one moment; needs no device");
   auto o = add_common(*command, Renderer::none);
-  command->add_flag("--json", o->job.json, "As JSON, with all that passes are chosen by");
+  command->add_flag("--json", o->job.json, "As JSON, with everything that decides which passes run");
   command->callback([command, o, &action] { action = [command, o] { return run_facts(*command, *o); }; });
 }
 

@@ -270,9 +270,11 @@ void add_own_options(CLI::App& command, ReferenceOptions& o) {
       .add_option("--seconds", o.tracing.seconds,
                   "Stop after this time; the number of samples then depends on the machine")
       ->type_name("S");
-  command.add_option("--state", o.state, "Sums of the samples, written at the end and every minute")->type_name("FILE");
+  command
+      .add_option("--state", o.state, "File that keeps the samples, written at the end and every minute, for --resume")
+      ->type_name("FILE");
   command.add_flag("--resume", o.resume,
-                   "Go on from --state where it exists; the image is that of a run without a break");
+                   "Continue from --state if it exists; the picture is that of an uninterrupted run");
   command
       .add_option(
           "--layers", o.layers,
@@ -282,9 +284,11 @@ void add_own_options(CLI::App& command, ReferenceOptions& o) {
   std::vector<std::string_view> knobs;
   for (const TreeKnob& knob : tree_knobs()) knobs.push_back(knob.name);
   command
-      .add_option("--set", o.tracing.settings,
-                  fmt::format("How the acceleration structure is built (docs/reference.md): {}; may be given again",
-                              fmt::join(knobs, ", ")))
+      .add_option(
+          "--set", o.tracing.settings,
+          fmt::format(
+              "How the acceleration structure is built (docs/understanding/reference.md): {}; may be given again",
+              fmt::join(knobs, ", ")))
       ->allow_extra_args(false)
       ->type_name("bvh.NAME=VALUE");
   command.add_option("--view", o.view, "What PNG shows: beauty or any layer")->capture_default_str()->type_name("NAME");

@@ -426,13 +426,12 @@ void add_render(CLI::App& app, Action& action) {
       ->type_name("FILE");
   command
       ->add_option("--steps", o->steps,
-                   "Folder for a page that shows the frame pass by pass: what each writes, reads and takes")
+                   "Folder for a page that shows the frame pass by pass: what each pass writes and reads, and its time")
       ->type_name("DIR");
   command
-      ->add_option(
-          "--dump", o->dumps,
-          "Also any image of the plan as it stands behind a pass, PASS.IMAGE[mip,layer]=FILE.exr; may be given "
-          "again; candela plan lists passes and images")
+      ->add_option("--dump", o->dumps,
+                   "Write an image of the frame as it is after a pass, PASS.IMAGE[mip,layer]=FILE.exr; may be given "
+                   "again; candela plan lists passes and images")
       ->allow_extra_args(false)
       ->type_name("PASS.IMAGE=FILE.exr");
   add_budget_options(*command, o->budget);
@@ -440,7 +439,7 @@ void add_render(CLI::App& app, Action& action) {
   command->add_option("--trace", o->trace, "The same as a Chrome trace, which Perfetto opens; - is stdout")
       ->type_name("FILE");
   command->add_flag("--overlap", o->overlap,
-                    "With the times: the frame as a whole with passes side by side on two queues, and on one");
+                    "With the times: also time the whole frame with passes side by side on two queues, and on one");
   command
       ->add_option("--check-determinism", o->check_determinism,
                    "Render N times and compare what every pass wrote; exit 1 when it differs")

@@ -246,22 +246,20 @@ void add_sequence(CLI::App& app, Action& action) {
   auto o = std::make_shared<SequenceOptions>();
   CLI::App* command = app.add_subcommand("sequence", "Render a list of frames to files or a video");
   add_film_options(*command, *o);
-  command->add_flag(
-      "--resume", o->resume,
-      "Leave out frames whose files, or those kept beside --video, are whole and hold this job's picture");
-  command->add_option("--shard", o->shard, "Part I of N of the list: every N-th frame from the I-th on")
+  command->add_flag("--resume", o->resume,
+                    "Skip frames whose files, or those kept beside --video, are complete and belong to this job");
+  command->add_option("--shard", o->shard, "Render share I of N of the list: every N-th frame, beginning with the I-th")
       ->capture_default_str()
       ->type_name("I/N");
   command
       ->add_option("--devices", o->devices,
-                   "A process for each of these devices, all on one list of frames: names as --device takes them, by "
-                   "commas, or all")
+                   "Start a process on each of these devices, all working on one list of frames: names as for "
+                   "--device, separated by commas, or all")
       ->type_name("LIST");
   command->add_option("--worker", o->worker)->group("")->configurable(false);  // what --devices starts
   command
-      ->add_option(
-          "--record", o->record,
-          "Folder for a file that says what became of this run: node, device, frames, exit code (docs/farm.md)")
+      ->add_option("--record", o->record,
+                   "Folder for a record of this run: node, device, frames, exit code (docs/using/farm.md)")
       ->type_name("DIR");
   command->add_option("--timings", o->timings, "Times summed over the frames as JSON; - is stdout")->type_name("FILE");
   command->add_option("--trace", o->trace, "The same as a Chrome trace; - is stdout")->type_name("FILE");

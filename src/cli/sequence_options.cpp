@@ -12,9 +12,8 @@ void add_film_options(CLI::App& command, SequenceOptions& o) {
   add_job_options(command, o.job);
   command
       .add_option("--frames", o.frames,
-                  "Frames in the order written, ends included: 0-249, 1-100x5 or 2,4,10-20; all: as long as the "
-                  "animations that "
-                  "play; with --turntable N 0 to N - 1 where it is left out")
+                  "Frames, in this order, both ends included: 0-249, 1-100x5 or 2,4,10-20; all: as long as the "
+                  "animations that play; by default 0 to N - 1 with --turntable N")
       ->type_name("LIST");
   command
       .add_option("-o,--output", o.outputs,
@@ -25,11 +24,11 @@ void add_film_options(CLI::App& command, SequenceOptions& o) {
   command.add_option("--audio", o.audio, "Sound of the film")->type_name("FILE");
   command
       .add_option("--cache", o.cache,
-                  "on: shadow maps stay for later frames as long as nothing that casts moves, with the same pictures; "
-                  "off: every frame draws its own; auto: off where frames are timed")
+                  "on: keep shadow maps for later frames as long as nothing that casts shadows moves, with the same "
+                  "pictures; off: draw them for every frame; auto: off if frames are timed")
       ->check(CLI::IsMember({"auto", "on", "off"}))
       ->capture_default_str();
-  command.add_option("--in-flight", o.in_flight, "Frames on their way to the device at once; 0: as suits the device")
+  command.add_option("--in-flight", o.in_flight, "How many frames are on the device at once; 0: as suits the device")
       ->check(CLI::Range(0, 8))
       ->capture_default_str()
       ->type_name("N");

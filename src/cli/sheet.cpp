@@ -84,7 +84,7 @@ void add_sheet(CLI::App& app, Action& action) {
       ->check(CLI::Range(0, 1000))
       ->capture_default_str()
       ->type_name("N");
-  command->add_option("--tile", o->tile, "Room for a picture in pixels; larger ones are shrunk")
+  command->add_option("--tile", o->tile, "Size of each picture in pixels; larger ones are made smaller")
       ->capture_default_str()
       ->type_name("WxH");
   command->add_option("--crop", o->crop, "Only this part of each picture, in pixels from the upper left corner")

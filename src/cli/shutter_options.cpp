@@ -8,32 +8,34 @@ namespace candela::cli {
 void add_shutter_options(CLI::App& command, JobOptions& o) {
   command
       .add_option("--shutter", o.shutter,
-                  "How long each picture is exposed, half before its time and half after it: 180deg of 360 a frame, "
-                  "1/48s, or a part of the frame from 0 to 1; without it an instant, or the look's")
+                  "Exposure time of each frame, centred on the frame's time: 180deg (of 360 for a whole frame), 1/48s, "
+                  "or a part of the frame from 0 to 1; by default the look's, else an instant")
       ->type_name("ANGLE");
   command
-      .add_option(
-          "--fstop", o.f_stop,
-          "A lens of that f-stop blurs what is off its plane of focus; 0: a pinhole; without it the look's lens")
+      .add_option("--fstop", o.f_stop,
+                  "f-stop of the lens, which blurs what is out of focus; 0: a pinhole; by default the look's lens, "
+                  "else a pinhole")
       ->check(non_negative_number())
       ->type_name("N");
   command
       .add_option("--focus", o.focus,
-                  "Where the plane of focus lies: metres along the view axis, inf, or the name of a node that it "
-                  "follows")
+                  "Distance of the plane of focus: metres along the view axis, inf, or the name of a node to follow")
       ->type_name("M");
-  command.add_option("--sensor", o.sensor_mm, "Height of the sensor, which makes a focal length of the field of view")
+  command
+      .add_option("--sensor", o.sensor_mm,
+                  "Height of the sensor; together with the field of view it gives the focal length")
       ->check(positive_number())
       ->type_name("MM")
       ->default_str("24");
   command
       .add_option("--subframes", o.subframes,
-                  "Frames that a picture with a shutter or a lens is the mean of; as the quality says without it")
+                  "How many frames are averaged for a picture with a shutter or a lens; by default the quality decides")
       ->check(CLI::Range(1, 4096))
       ->type_name("N");
   command
       .add_option("--iso", o.iso,
-                  "Speed of the sensor: f-stop, shutter and it say the exposure, as on a camera; --exposure is added")
+                  "Speed of the sensor: it sets the exposure together with --fstop and --shutter, as on a camera; "
+                  "--exposure is added")
       ->check(positive_number())
       ->type_name("SPEED");
 }

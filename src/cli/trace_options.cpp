@@ -97,26 +97,25 @@ Expected<TraceRequest> trace_request(const TraceOptions& o, const Job& job) {
 }
 
 void add_trace_options(CLI::App& command, TraceOptions& o) {
-  command.add_option("--mode", o.mode, "direct: light straight from its sources; path: all transport")
+  command.add_option("--mode", o.mode, "direct: light that comes straight from its sources; path: bounced light too")
       ->capture_default_str()
       ->type_name("NAME");
-  command.add_option("--spp", o.spp, "Samples a pixel; 64 where no limit is given")
+  command.add_option("--spp", o.spp, "Samples a pixel; 64 if no limit is given")
       ->check(positive_number())
       ->transform(whole_number<uint64_t>())
       ->type_name("N");
   command
       .add_option("--noise", o.noise,
-                  "Stop when the relative standard error (of two halves of the samples, root mean square over the "
-                  "pixels) is no larger; 0.01: 1 %")
+                  "Stop when the relative standard error (from two halves of the samples, root mean square over the "
+                  "pixels) is this small; 0.01 is 1 %")
       ->type_name("SHARE");
   command.add_option("--sampler", o.sampler, "sobol (Owen-scrambled), jittered, or uniform: a grid, x4, x8, x16")
       ->capture_default_str()
       ->type_name("NAME");
   command
-      .add_option(
-          "--bvh", o.bvh,
-          "How the acceleration structure is built: equal-counts, sah, sbvh, spatial-only; auto: as pays for so many "
-          "rays. Changes no picture")
+      .add_option("--bvh", o.bvh,
+                  "How the acceleration structure is built: equal-counts, sah, sbvh, spatial-only; auto: chosen by the "
+                  "number of rays. Changes time, never the picture")
       ->capture_default_str()
       ->type_name("NAME");
   command.add_option("--visibility", o.visibility, "direct: off lets light through everything")
@@ -124,34 +123,38 @@ void add_trace_options(CLI::App& command, TraceOptions& o) {
       ->type_name("on|off");
   command
       .add_option("--ambient", o.ambient,
-                  "direct: the sky traced; its raster form times cosine-weighted occlusion; or off")
+                  "direct: ambient light; traced: by rays to the sky; occlusion: as render computes it, times traced "
+                  "occlusion; off")
       ->capture_default_str()
       ->type_name("NAME");
   command
-      .add_option("--ambient-distance", o.ambient_distance_m, "direct: farther surfaces do not hide the sky; 0: all do")
+      .add_option("--ambient-distance", o.ambient_distance_m,
+                  "direct: surfaces farther away than this do not hide the sky; 0: all surfaces do")
       ->capture_default_str()
       ->type_name("METRES");
-  command.add_option("--bounces", o.bounces, "path: most bounces; 0: as Russian roulette decides")
+  command.add_option("--bounces", o.bounces, "path: largest number of bounces; 0: Russian roulette decides")
       ->capture_default_str()
       ->type_name("N");
   command
       .add_option_function<int>(
           "--fog-steps", [&o](int value) { o.fog_steps = value; },
-          fmt::format("direct: points on a ray at which a light's way through fog is followed, {} where nothing is "
-                      "given; the mean is right for any",
+          fmt::format("direct: points on a ray at which light through fog is followed ({}); more is less noise, the "
+                      "mean is right for any number",
                       reference::TraceSettings{}.fog_steps))
       ->type_name("N");
   command
       .add_option_function<int>(
           "--fog-lights", [&o](int value) { o.fog_lights = value; },
-          fmt::format("direct: where more point lights and spots reach a ray through fog, they share the points of so "
-                      "many, {} where nothing is given; 0: each has its own; the mean is right for any",
+          fmt::format("direct: with more point and spot lights than this on a ray through fog ({}), they share the "
+                      "points of so many; 0: each light has its own; the mean is right for any number",
                       reference::TraceSettings{}.fog_lights))
       ->type_name("N");
   command.add_flag("--footprints", o.footprints,
-                   "What the camera sees has the means of its colour textures over each sample's part of the pixel, "
-                   "instead of their values at points");
-  command.add_option("--threads", o.threads, "Threads; 0: all. Changes no byte")->capture_default_str()->type_name("N");
+                   "Average colour textures over each sample's part of the pixel, instead of reading them at points, "
+                   "for what the camera sees directly");
+  command.add_option("--threads", o.threads, "Threads; 0: all cores. Changes no byte of the result")
+      ->capture_default_str()
+      ->type_name("N");
 }
 
 }  // namespace candela::cli

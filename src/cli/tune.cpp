@@ -133,12 +133,12 @@ Expected<int> run_tune(CLI::App& command, TuneCommand& o) {
 void add_tune(CLI::App& app, Action& action) {
   auto o = std::make_shared<TuneCommand>();
   CLI::App* command =
-      app.add_subcommand("tune", "Find the cheapest settings for some errors, on this scene and device");
+      app.add_subcommand("tune", "Find the cheapest settings for several errors, on this scene and device");
   add_job_options(*command, o->job);
   add_moment_options(*command, o->moment);
   command
       ->add_option("--seconds", o->seconds,
-                   "Of all of it, opening and the traced reference too; a frame that was begun is finished")
+                   "Time for everything, also for opening and the traced reference; a frame that was begun is finished")
       ->capture_default_str()
       ->type_name("SECONDS");
   command->add_option("--report", o->report, "Folder for an HTML page, its figures and the result as JSON")

@@ -298,11 +298,10 @@ void add_watch(CLI::App& app, Action& action) {
                    "File to write, again for each change; the ending chooses EXR or PNG; may be given again")
       ->allow_extra_args(false)
       ->type_name("FILE");
-  command->add_option("--stop-after", o->pictures, "Ends when it has written so many pictures; without it Ctrl-C does")
+  command->add_option("--stop-after", o->pictures, "Stop after this many pictures; by default only Ctrl-C stops it")
       ->check(CLI::Range(1, 1000000000))
       ->type_name("N");
-  command->add_flag("--pass-times", o->pass_times,
-                    "Also how long the passes took that took longest; passes then run one after the other");
+  command->add_flag("--pass-times", o->pass_times, "Print the slowest passes too; passes then run one after the other");
   add_run_options(*command, o->job);
   command->callback([command, o, &action] { action = [command, o] { return run_watch(*command, *o); }; });
 }

@@ -4,7 +4,7 @@
 
 #include "demoscenes/cave.h"
 
-// Rocks and dripstones: a few meshes, drawn where files say (docs/paths.md).
+// Rocks and dripstones: a few meshes, drawn where files say (docs/using/paths.md).
 namespace candela::cave {
 namespace {
 

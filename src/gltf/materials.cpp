@@ -199,8 +199,8 @@ struct Importer {
     material.orm_texture.image = known->second;
   }
 
-  // CANDELA_materials_blinn_phong (docs/blinn-phong.md). Of the metallic-roughness model the base colour stays: what is
-  // diffuse. What reflects at normal incidence is kept as by the extension above.
+  // CANDELA_materials_blinn_phong (docs/understanding/blinn-phong.md). Of the metallic-roughness model the base colour
+  // stays: what is diffuse. What reflects at normal incidence is kept as by the extension above.
   void read_blinn_phong(const Json& json, const std::string& path, Material& material) {
     const Json* e = extension(json, "CANDELA_materials_blinn_phong");
     if (!e) return;
@@ -223,7 +223,7 @@ struct Importer {
     leave_base(material);
   }
 
-  // CANDELA_relief (docs/relief.md). Heights are bilinear whatever filter the sampler has.
+  // CANDELA_relief (docs/understanding/relief.md). Heights are bilinear whatever filter the sampler has.
   void read_relief(const Json& json, const std::string& path, Material& material) {
     const Json* e = extension(json, "CANDELA_relief");
     if (!e) return;

@@ -12,7 +12,7 @@ enum class ChannelType : uint8_t { half, float32, uint32 };
 // A named plane of an image; `data` holds width*height samples, rows from the top, as float or (uint32) bit-exact
 // integers.
 struct Channel {
-  std::string name;                         // field's names: R G B A, depth.Z, normal.X ... (docs/outputs.md)
+  std::string name;                         // field's names: R G B A, depth.Z, normal.X ... (docs/using/outputs.md)
   ChannelType type = ChannelType::float32;  // how it is stored in a file
   std::vector<float> f;                     // used when type != uint32
   std::vector<uint32_t> u;                  // used when type == uint32

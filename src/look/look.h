@@ -234,8 +234,8 @@ inline bool fog_glows(const Look& look) {
 // What of it a picture shows, in words: "fog, bloom". Empty: nothing.
 std::vector<std::string> switched_on(const Look& look);
 
-// A look file is strict JSON (docs/look.md has the keys). Unknown and repeated keys, wrong types, and values that are
-// negative, not finite or contradict each other are errors (input) that name file and JSON path.
+// A look file is strict JSON (docs/using/look.md has the keys). Unknown and repeated keys, wrong types, and values that
+// are negative, not finite or contradict each other are errors (input) that name file and JSON path.
 //
 // Any number, list of numbers or colour may stand as {"keys": [[time in seconds, value], ...]} with ascending times: it
 // is then interpolated between them, and constant before the first and after the last. "interpolation" beside it is

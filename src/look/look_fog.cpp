@@ -77,7 +77,7 @@ Rows<FogKeys> fog_rows() {
     return {};
   };
   Row<FogKeys> albedo = color_row<FogKeys>("albedo", from_zero(), &FogKeys::albedo,
-                                           "the part of the extinction that is scattered; 1 where nothing is said");
+                                           "the part of the extinction that is scattered; 1 by default");
   albedo.key.high = 1;  // set_fog() says why
   return {
       color_row<FogKeys>("extinction", from_zero(), &FogKeys::extinction,

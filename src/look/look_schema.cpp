@@ -71,7 +71,8 @@ Json object_schema(const std::vector<LookKey>& keys) {
 }  // namespace
 
 std::string look_schema() {
-  Json j = {{"title", "candela look file"}, {"description", "What a picture shows beside its scene (docs/look.md)."}};
+  Json j = {{"title", "candela look file"},
+            {"description", "What a picture shows beside its scene (docs/using/look.md)."}};
   j.update(object_schema(look_keys()));
   return j.dump(2) + "\n";
 }

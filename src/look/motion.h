@@ -9,8 +9,8 @@
 
 namespace candela {
 
-// A path that drives a node (docs/paths.md): a uniform cubic B-spline over the points of a file. What is given in world
-// space is of the file's axes, before --up turns them.
+// A path that drives a node (docs/using/paths.md): a uniform cubic B-spline over the points of a file. What is given in
+// world space is of the file's axes, before --up turns them.
 struct PathRequest {
   std::string target;             // "camera", "node NAME", or "light NAME": the node that carries the light
   std::string points;             // file of control points: of the camera in world space, else in the node's parent's
@@ -30,7 +30,7 @@ struct PathRequest {
   bool operator==(const PathRequest&) const = default;
 };
 
-// Instances of a node from a file (docs/paths.md): each is three vectors.
+// Instances of a node from a file (docs/using/paths.md): each is three vectors.
 struct InstancesRequest {
   std::string node, file;
   std::string rotation = "xyz";  // axes about which it is turned one after the other, each as the one before left it

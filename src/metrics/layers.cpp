@@ -3,7 +3,7 @@
 namespace candela {
 namespace {
 
-constexpr float background_depth_m = 1e10f;  // docs/outputs.md
+constexpr float background_depth_m = 1e10f;  // docs/using/outputs.md
 
 // Sets PREFIX-mean, PREFIX-p99 and PREFIX-max.
 void add_spread(std::vector<float>& values, const std::string& prefix, std::map<std::string, double>& metrics) {

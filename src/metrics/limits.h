@@ -31,7 +31,7 @@ bool passes(const Comparison& comparison, std::span<const LimitVerdict> verdicts
 std::vector<std::string> below_noise(const std::map<std::string, double>& metrics, const NoiseFloor& noise);
 
 // {"nonfinite": {...}, "metrics": {...}, "pass": true}, with limits, refusal, layers, regions and what else there is
-// (docs/outputs.md).
+// (docs/using/outputs.md).
 std::string comparison_json(const Comparison& comparison, std::span<const LimitVerdict> verdicts);
 
 }  // namespace candela

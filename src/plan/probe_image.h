@@ -11,7 +11,7 @@
 #include "shared/probes.h"
 #include "sky/prefilter_sky.h"
 
-// The image of a reflection probe (docs/reflections.md): six frames of the scene about a point, as a sky.
+// The image of a reflection probe (docs/understanding/reflections.md): six frames of the scene about a point, as a sky.
 namespace candela {
 
 // A probe's frames are a job's with other views, and without what is no light of surfaces and sky: fog and light in the

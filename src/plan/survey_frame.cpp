@@ -68,7 +68,7 @@ void widen(const ImageWindow& window, FrameRequest& request) {
 void end_lights(const LightRangeKnobs& knobs, const Scene& scene, SurveyedFrame& f) {
   LightEnd end{std::max(knobs.floor_lux, 0.0f)};
   const bool by_loss = knobs.floor_lux < 0;
-  // What lights ended at before their loss was known (docs/decisions.md).
+  // What lights ended at before their loss was known (docs/building/decisions.md).
   constexpr double usual_lux = 0.01;
   if (by_loss) end = choose_light_end(scene, f.data, double(knobs.lost), double(f.request.exposure_ev), usual_lux);
   const size_t lamps = f.data.lights.size();

@@ -6,8 +6,8 @@ namespace candela::reference {
 // The nearest opaque or masked surface that a ray of the camera meets; nothing: none.
 std::optional<Hit> nearest_surface(const World& world, const CameraRay& camera);
 
-// What the layers of raster techniques hold of a pixel (docs/outputs.md): the nearest opaque or masked surface at its
-// centre. One ray and no mean over samples: an averaged id or depth would name a surface that does not exist.
+// What the layers of raster techniques hold of a pixel (docs/using/outputs.md): the nearest opaque or masked surface at
+// its centre. One ray and no mean over samples: an averaged id or depth would name a surface that does not exist.
 struct CentreSurface {
   uint32_t item = 0;  // into FrameData::items
   uint32_t primitive = 0;

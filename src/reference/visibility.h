@@ -10,7 +10,8 @@ enum class LightAlong : uint8_t { none, to_origin, from_origin };
 bool passes_light(const World& world, const Hit& hit, LightAlong light);
 
 // Which candidates a ray meets. Holes of alpha masks never. Backs of single-sided surfaces count for every ray but the
-// camera's: a wall is matter for light from both sides, and a rasterizer draws it from one (docs/reference.md).
+// camera's: a wall is matter for light from both sides, and a rasterizer draws it from one
+// (docs/understanding/reference.md).
 class SurfaceFilter final : public HitFilter {
  public:
   // passed: the surfaces up to and with this hit are behind the ray already; null: none. to_lamp: what glows all over

@@ -55,7 +55,7 @@ std::string sentences(const ErrorPlace& place) {
     html += fmt::format(
         "<li>times and errors are means over {} views; what is sure is decided by pairs of rounds and of views, so "
         "that "
-        "at most one such sentence in twenty is false (docs/deciding.md)</li>\n",
+        "at most one such sentence in twenty is false (docs/understanding/deciding.md)</li>\n",
         place.rows.front()->views);
   else
     html += "<li class=\"note\">one view: its errors say little about others</li>\n";

@@ -12,7 +12,7 @@ struct DrawBatch {
   AlphaMode alpha = AlphaMode::opaque;
   bool unlit = false, cull_back = true, mirrored = false;
   bool refracts = false;          // is drawn after what is seen through it
-  bool relief = false;            // its surface lies below the mesh (docs/relief.md)
+  bool relief = false;            // its surface lies below the mesh (docs/understanding/relief.md)
   uint32_t first = 0, count = 0;  // in the order of drawing
   bool same_state(const DrawBatch& o) const {
     return topology == o.topology && alpha == o.alpha && unlit == o.unlit && cull_back == o.cull_back &&

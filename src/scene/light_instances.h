@@ -3,8 +3,9 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-// CANDELA_light_instances (docs/light-instances.md): one point or spot light of KHR_lights_punctual many times over, at
-// one node. A node for each light is 160 bytes of JSON and 14 us of loading; here it is 12 to 56 bytes, and no text.
+// CANDELA_light_instances (docs/understanding/light-instances.md): one point or spot light of KHR_lights_punctual many
+// times over, at one node. A node for each light is 160 bytes of JSON and 14 us of loading; here it is 12 to 56 bytes,
+// and no text.
 namespace candela {
 
 struct LightModulation {

@@ -10,7 +10,8 @@
 
 namespace candela {
 
-// The files of paths and instances (docs/paths.md). An error (input) names file and line, and nothing is read then.
+// The files of paths and instances (docs/using/paths.md). An error (input) names file and line, and nothing is read
+// then.
 
 // x y z a line.
 Expected<std::vector<glm::dvec3>> read_points(const std::filesystem::path& file);

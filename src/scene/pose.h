@@ -49,7 +49,7 @@ struct Pose {
 };
 
 // time_s before the first key: its value; past the last key of a channel: the last value. No looping
-// (docs/decisions.md).
+// (docs/building/decisions.md).
 Pose evaluate_pose(const Scene& scene, const AnimationChoice& animations, double time_s);
 
 // One channel at one time, in double (tests compare with values by hand). out has channel.components values.

@@ -97,7 +97,8 @@ struct BlinnPhong {
   float exponent = 32;
 };
 
-// CANDELA_relief (docs/relief.md): the surface lies below the mesh, by the height that a texture has there as a depth.
+// CANDELA_relief (docs/understanding/relief.md): the surface lies below the mesh, by the height that a texture has
+// there as a depth.
 struct Relief {
   TextureSlot texture;      // R: 0 is the mesh's own surface, 1 the floor
   float depth = 0;          // of the floor, in the mesh's space along its triangles' normals

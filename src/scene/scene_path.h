@@ -13,7 +13,7 @@ struct PathPlace {
   glm::dvec3 direction{0};  // unit, of the growing parameter; 0: the path is one point
 };
 
-// A path on which a node goes (docs/paths.md).
+// A path on which a node goes (docs/using/paths.md).
 struct ScenePath {
   int node = -1;
   Spline spline;

@@ -11,8 +11,8 @@ double luminance(const SkyTexel& t) { return 0.2126 * double(t[0]) + 0.7152 * do
 
 namespace {
 
-// Measured over five skies (docs/image-based-light.md): more would take light out that maps blur well, less leaves
-// spots whose reflections maps blur across the horizon of the surface.
+// Measured over five skies (docs/understanding/image-based-light.md): more would take light out that maps blur well,
+// less leaves spots whose reflections maps blur across the horizon of the surface.
 constexpr double times_mean = 8;
 constexpr double wide_rad = 0.02, too_wide_rad = 0.04;  // root mean squares of the angle from the middle
 constexpr double least_fraction = 1e-4;                 // of the sky's light

@@ -17,8 +17,8 @@ using std::numbers::pi;
 
 // A sun is at most this wide, or where texels are wide little more than one of them.
 constexpr double most_radius_rad = 2 * pi / 180, most_radius_texels = 1.2, widest_rad = 7 * pi / 180;
-// Measured over the skies of docs/image-based-light.md: suns, the moon and a lamp that outshines its room have shares
-// from 0.5 and contrasts from 1900, windows and lamps among others shares below 0.02.
+// Measured over the skies of docs/understanding/image-based-light.md: suns, the moon and a lamp that outshines its room
+// have shares from 0.5 and contrasts from 1900, windows and lamps among others shares below 0.02.
 constexpr double least_share = 0.1, least_contrast = 30, least_contrast_asked_for = 2;
 constexpr double search_rad = 5 * pi / 180, search_texels = 2;  // about the brightest texel
 constexpr double reach_radii = 3, reach_texels = 1.5;           // of what is taken

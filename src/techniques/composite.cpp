@@ -28,24 +28,46 @@ Lighting lights_off_camera(const Lighting& lighting) {
   return lists;
 }
 
-Reflected reflections(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
-                      ImageHandle color, std::string_view instance) {
+// Whether nothing is drawn over the surfaces but what they reflect.
+bool reflects_last(const Frame& frame) {
+  return frame.facts.blend_items == 0 && !Refraction{}.needed(frame.facts, frame.request);
+}
+
+// What surfaces reflect, added to the picture.
+void reflect(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, const Lighting& lighting,
+             Composite& over, std::string_view instance) {
   const FrameRequest& request = frame.request;
-  if (const Need need = Reflections{}.needed(frame.facts, request); !need)
-    return frame.add(Reflections{}, {}, instance).reflected;
-  const std::string resolved = instance.empty() ? "opaque" : fmt::format("{}.opaque", instance);
-  Reflections::In in{scene, surfaces.draws, surfaces.deformed, fog_alone(lighting.unoccluded())};
-  in.lists.occlusion = lighting.occlusion;
+  if (const Need need = Reflections{}.needed(frame.facts, request); !need) {
+    frame.add(Reflections{}, {}, instance);
+    frame.add(ReflectionsOver{}, {}, instance);
+    return;
+  }
   Reflections pass;
   pass.knobs = frame.knobs.get<Reflections::Knobs>();
-  if (pass.traced(frame.facts, request))
+  const bool is_traced = pass.traced(frame.facts, request);
+  ImageHandle& color = over.radiance;
+  ImageHandle picture = color;
+  const bool last = reflects_last(frame);
+  if (!over.resolved && (last || !is_traced)) {
+    const Resolve::In samples{color, scene.width_px, scene.height_px, scene.samples};
+    picture =
+        newest(frame.add(Resolve{}, samples, instance.empty() ? "opaque" : fmt::format("{}.opaque", instance)).resolved,
+               color);
+  }
+  Reflections::In in{scene, surfaces.draws, surfaces.deformed, fog_alone(lighting.unoccluded())};
+  in.lists.occlusion = lighting.occlusion;
+  in.keys = keys_of_middles(frame, scene, surfaces, "reflections", instance);
+  if (is_traced)
     in.met = lights_off_camera(lighting);
   else
-    in.picture =
-        newest(frame.add(Resolve{}, {color, scene.width_px, scene.height_px, scene.samples}, resolved).resolved, color);
+    in.picture = picture;
   in.has_sky = frame.facts.environment || request.neutral_light;
   in.seed = request.still_seed;
-  return frame.add(Reflections{}, in, instance).reflected;
+  over.reflected = frame.add(Reflections{}, in, instance).reflected;
+  ReflectionsOver::In added{scene, over.reflected, {surfaces.depth, {}}, color};
+  over.resolved |= last;
+  if (over.resolved) added.depth = surfaces.looked_up, added.color = picture, added.whole = true;
+  color = newest(frame.add(ReflectionsOver{}, added, instance).color, added.color);
 }
 
 // Surfaces that let light through, over all that is seen through them.
@@ -99,16 +121,10 @@ Composite composite(Frame& frame, const SceneInputs& scene, const Surfaces& surf
     color = newest(frame.add(Sky{}, {scene, depth, color, fog}, instance).color, color);
     color = newest(frame.add(Background{}, {scene, depth, color, fog}, instance).color, color);
   }
-  if (shaded.whole) {
-    out.radiance = shaded.color;
-    out.depth = depth;
-    out.resolved = true;
-    return out;
-  }
-  out.reflected = reflections(frame, scene, surfaces, lighting, color, instance);
-  color = newest(frame.add(ReflectionsOver{}, {scene, out.reflected, depth, color}, instance).color, color);
   out.radiance = color;
   out.depth = depth;
+  out.resolved = shaded.whole;
+  reflect(frame, scene, surfaces, lighting, out, instance);
   refract(frame, scene, surfaces, lighting, out, instance);
   out.radiance = transparent(
       frame, {scene, surfaces.visible, surfaces.deformed, of_blended(lighting.unoccluded()), out.depth, out.radiance},

@@ -52,8 +52,8 @@ struct Frame {
   const FrameValues& values = FrameValues::none;  // for recording alone
 
   // Adds a pass and returns its outputs; empty ones, which carry the reason, when the pass says it is not needed or a
-  // required input is empty (docs/design.md, "Leaving out"). A pass that stands in the frame several times has an
-  // instance's name.
+  // required input is empty (docs/building/design.md, "Leaving out"). A pass that stands in the frame several times has
+  // an instance's name.
   template <Pass P>
   typename P::Out add(P pass, typename P::In in, std::string_view instance = {}) {
     std::string name(P::name);

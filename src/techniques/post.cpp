@@ -68,7 +68,8 @@ void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, cons
   const bool is_mean = request.part.role == SubframePart::Role::mean;
   ImageHandle picture = radiance;
   if (resolved)
-    frame.builder.leave_out(std::string(Resolve::name), "surfaces are shaded and resolved at once (shade_visible)");
+    frame.builder.leave_out(std::string(Resolve::name),
+                            "the surfaces' samples are resolved already (shade_visible, resolve.opaque)");
   else if (!is_mean)
     picture =
         newest(frame.add(Resolve{}, {radiance, scene.width_px, scene.height_px, scene.samples}).resolved, radiance);

@@ -156,6 +156,16 @@ Surfaces seen_again(Frame& frame, const SceneInputs& scene, Surfaces surfaces, s
   return surfaces;
 }
 
+BufferHandle keys_of_middles(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, std::string_view name,
+                             std::string_view instance) {
+  if (!surfaces.keys || draws_lines(scene)) return {};
+  if (scene.samples == 1) return surfaces.keys;
+  SceneInputs one = scene;
+  one.samples = 1;
+  if (scene.triangle_numbers) return frame.add(TraceKeys{}, {one}, part_of(instance, name)).keys;
+  return frame.add(Rasterize{}, {one, surfaces.kept_items, surfaces.deformed}, part_of(instance, name)).keys;
+}
+
 ImageHandle depth_of_hardware(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, std::string_view name) {
   if (!surfaces.keys) return surfaces.depth;
   return frame.add(DepthPrepass{}, {scene, surfaces.visible, surfaces.deformed}, name).depth;

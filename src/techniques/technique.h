@@ -35,6 +35,11 @@ Surfaces visible_surfaces(Frame& frame, const SceneInputs& scene);
 // The same geometry seen by one picture of a supersampled frame: a depth of its own.
 Surfaces seen_again(Frame& frame, const SceneInputs& scene, Surfaces surfaces, std::string_view instance);
 
+// The keys of the pixels' middles, whatever the frame's samples; empty where the hardware draws, or lines and points
+// too. name: of what asks for them.
+BufferHandle keys_of_middles(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, std::string_view name,
+                             std::string_view instance);
+
 // What surfaces that are drawn again are tested against for equality: as the hardware finds it, for the depth of keys
 // differs in its last bits. name: of the pass that finds it.
 ImageHandle depth_of_hardware(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, std::string_view name);

@@ -1,4 +1,3 @@
-#include "passes/reflections/reflections.h"
 #include "passes/shadows/light_rays.h"
 #include "passes/shared/draw_batches.h"
 #include "passes/shared/light_lists.h"
@@ -15,8 +14,7 @@ namespace {
 
 // Whether something is drawn over the surfaces, sample by sample: then there must be a picture and a depth of samples.
 bool drawn_over(const Frame& frame, const SceneInputs& scene) {
-  return frame.facts.blend_items > 0 || Refraction{}.needed(frame.facts, frame.request) ||
-         Reflections{}.needed(frame.facts, frame.request) || draws_lines(scene);
+  return frame.facts.blend_items > 0 || Refraction{}.needed(frame.facts, frame.request) || draws_lines(scene);
 }
 
 }  // namespace

@@ -5,8 +5,8 @@
 
 namespace candela {
 
-// A corner of a cave for what moves by files (docs/paths.md): three coloured spheres with a lamp in each, a stone that
-// a file draws many times, and a camera. All stand where they begin; scenes/lamp-paths holds the files.
+// A corner of a cave for what moves by files (docs/using/paths.md): three coloured spheres with a lamp in each, a stone
+// that a file draws many times, and a camera. All stand where they begin; scenes/lamp-paths holds the files.
 void make_lamp_paths(GlbWriter& out, SceneOptions&) {
   const Paint floor{out.material("floor", pbr({0.55, 0.53, 0.5, 1}, 0, 0.6))};
   const Paint wall{out.material("wall", pbr({0.7, 0.68, 0.66, 1}, 0, 0.9))};

@@ -162,7 +162,7 @@ TEST(Messages, HeatMapChannelsAreNamedAsInTheFile) {
                    {"--layers", "heatmap_lights,heatmap_waste,heatmap_missed", "--exr-compression", "none"})
                 .code,
             0);
-  const std::string file = bytes_of(folder / "a.exr"), page = bytes_of(CANDELA_SOURCE_DIR "/docs/outputs.md");
+  const std::string file = bytes_of(folder / "a.exr"), page = bytes_of(CANDELA_SOURCE_DIR "/docs/using/outputs.md");
   for (const char* channel : {"heatmap_lights.Y", "heatmap_waste.Y", "heatmap_missed.Y"}) {
     EXPECT_NE(file.find(channel), std::string::npos) << channel;
     EXPECT_NE(page.find("`" + std::string(channel) + "`"), std::string::npos) << channel;

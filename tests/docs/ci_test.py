@@ -1,4 +1,4 @@
-"""The jobs of docs/goldens.md for GitHub Actions and GitLab CI: they are YAML of the shape that these read, and their
+"""The jobs of docs/using/goldens.md for GitHub Actions and GitLab CI: they are YAML of the shape that these read, and their
 shell steps pass in a repository whose pictures are as they were, and end with exit 1 when one changed. Stand-ins take
 the place of apt-get and of Debian's list of sources; candela is the one built here."""
 import pathlib
@@ -44,7 +44,7 @@ exec /bin/sed "${@/#\\/etc\\/apt\\/sources.list.d/$here}"
 
 
 def example(heading):
-    page = ROOT / "docs/goldens.md"
+    page = ROOT / "docs/using/goldens.md"
     at = page.read_text().splitlines().index(f"## {heading}") + 1
     return yaml.safe_load(next(text for line, _, text in blocks(page, "yaml") if line > at))
 

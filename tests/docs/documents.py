@@ -5,7 +5,7 @@ import re
 import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-TUTORIALS = ROOT / "docs/tutorials"
+TUTORIALS = ROOT / "docs/using/tutorials"
 
 
 def program():
@@ -15,7 +15,7 @@ def program():
 def documents():
     """Every page that people read, beside those of folders that are built."""
     return [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), *sorted((ROOT / "src").glob("*.md")),
-            *sorted((ROOT / "bench").glob("*.md"))]
+            *sorted((ROOT / "bench").glob("*.md")), *sorted((ROOT / "bench/results").glob("*.md"))]
 
 
 def blocks(page, language):

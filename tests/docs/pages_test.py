@@ -1,4 +1,4 @@
-"""docs/commands is what the parser says, and links inside the repository lead somewhere."""
+"""docs/using/commands is what the parser says, and links inside the repository lead somewhere."""
 import pathlib
 import re
 import subprocess
@@ -23,16 +23,16 @@ class Pages(unittest.TestCase):
     def test_pages_of_commands_are_those_of_the_program(self):
         with tempfile.TemporaryDirectory(prefix="candela-docs-") as folder:
             made = made_pages(folder)
-        kept = {path.name: path.read_text() for path in sorted((ROOT / "docs/commands").iterdir())}
+        kept = {path.name: path.read_text() for path in sorted((ROOT / "docs/using/commands").iterdir())}
         stale = sorted(name for name in made.keys() | kept.keys() if made.get(name) != kept.get(name))
-        self.assertEqual(stale, [], "docs/commands is not what the program's options say: ./run docs writes it anew")
+        self.assertEqual(stale, [], "docs/using/commands is not what the program's options say: ./run docs writes it anew")
 
     def test_tables_of_curves_follow_from_the_kept_rows(self):
         subprocess.run(["python3", ROOT / "bench/curves.py", "check"], check=True)
 
     def test_a_page_names_every_option_of_help(self):
         """The pages are made of the same tree as man pages; help is CLI11's own."""
-        pages = sorted((ROOT / "docs/commands").glob("candela-*.md"))
+        pages = sorted((ROOT / "docs/using/commands").glob("candela-*.md"))
         self.assertGreaterEqual(len(pages), 20)
         for page in pages:
             words = re.search(r"^# (.*)$", page.read_text(), re.MULTILINE)[1].split()
@@ -41,8 +41,8 @@ class Pages(unittest.TestCase):
             for option in re.findall(r"^  (?:-[a-zA-Z],)?(--[a-z-]+)", shown, re.MULTILINE):
                 self.assertRegex(text, rf"(?m)^\| `[^`]*{option}[ `,]", f"{page.name} lacks {option}")
 
-    def test_readme_names_every_extension_that_is_read(self):
-        text = (ROOT / "README.md").read_text()
+    def test_inputs_name_every_extension_that_is_read(self):
+        text = (ROOT / "docs/using/inputs.md").read_text()
         table = (ROOT / "src/gltf/extensions.cpp").read_text()
         read = re.findall(r'\{"(\w+)", (?:supported|approximated),', table)
         self.assertGreater(len(read), 25)
@@ -79,7 +79,8 @@ class Pages(unittest.TestCase):
             for number, line in enumerate(page.read_text().splitlines(), 1):
                 if number in code:
                     continue
-                for target in re.findall(r"\]\(([^)\s]+)\)", line):
+                for target in re.findall(r"\]\(([^)\s]+)\)|^\[\w+\]: (\S+)$", line):
+                    target = target[0] or target[1]
                     if re.match(r"[a-z]+:", target):
                         continue
                     path, _, heading = target.partition("#")
@@ -90,6 +91,45 @@ class Pages(unittest.TestCase):
                         self.assertIn(heading, anchors(place), f"{page}:{number}: {target}: no such heading")
                     count += 1
         self.assertGreater(count, 50)
+
+    def test_lines_are_at_most_120_columns(self):
+        """But rows of tables, which Markdown cannot break, commands, and pages that the program writes."""
+        for page in documents():
+            if page.parent.name == "commands":
+                continue
+            fenced = False
+            for number, line in enumerate(page.read_text().splitlines(), 1):
+                if line.lstrip().startswith("```"):
+                    fenced = not fenced
+                if not fenced and not line.startswith(("|", "    ")):
+                    self.assertLessEqual(len(line), 120, f"{page}:{number}: wider than 120 columns (tests/docs/wrap.py FILE)")
+
+    def test_readme_is_short(self):
+        self.assertLessEqual(len((ROOT / "README.md").read_text().splitlines()), 130)
+
+    def test_every_page_is_in_the_index(self):
+        index = ROOT / "docs/README.md"
+        linked = {(index.parent / target).resolve() for target in re.findall(r"\]\(([^)#\s]+)\)", index.read_text())}
+        for page in documents():
+            if page.parent.name != "commands" and page not in (ROOT / "README.md", index):
+                self.assertIn(page.resolve(), linked, f"{page} is not in docs/README.md")
+
+    def test_commands_in_pages_have_the_options_that_they_name(self):
+        count = 0
+        for page in documents():
+            for number, line in enumerate(page.read_text().splitlines(), 1):
+                named = re.match(r"(?:    )?candela ([a-z-]+)(?: ([a-z-]+))?( .*|)$", line)
+                if not named or page.parent.name == "commands":
+                    continue
+                pages = [ROOT / f"docs/using/commands/candela-{name}.md" for name in
+                         (f"{named[1]}-{named[2]}", named[1])]
+                found = [path.read_text() for path in pages if path.exists()]
+                self.assertTrue(found, f"{page}:{number}: no command {named[1]}")
+                command = re.split(r"   +| #", line.strip())[0]
+                for option in re.findall(r"(?<![\w-])--[a-z][a-z-]*", command):
+                    self.assertRegex(found[0], rf"`[^`]*{option}[ `,]", f"{page}:{number}: no option {option}")
+                    count += 1
+        self.assertGreater(count, 150)
 
     def test_pages_named_in_text_exist(self):
         for page in documents():

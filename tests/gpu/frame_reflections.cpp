@@ -203,6 +203,35 @@ TEST_F(FrameReflections, AreNumbersWhateverTheFrame) {
   }
 }
 
+// Surfaces from keys in compute are those that the hardware draws again, and what they reflect is the same onto a
+// picture of samples and onto their mean; of as many samples as the frame has. Edges are the techniques' own.
+TEST_F(FrameReflections, KeyedSurfacesReflectWhatDrawnOnesDo) {
+  for (const bool pane : {false, true}) {
+    const std::string path = write(floor_and_wall(0.3, false, pane));
+    for (const int samples : {1, 4}) {
+      Job job = seen(path, samples);
+      job.layers = {};
+      job.settings.push_back({"reflections", "method", "screen"});
+      job.technique = "clustered";
+      const Images drawn = images_of(job);
+      for (const char* technique : {"visibility", "ray"}) {
+        job.technique = technique;
+        const Images keyed = images_of(job);
+        int apart = 0;
+        double sum = 0;
+        for (int y = 0; y < height; ++y)
+          for (int x = 0; x < width; ++x) {
+            const glm::vec4 a = drawn["beauty"].at<glm::vec4>(x, y), b = keyed["beauty"].at<glm::vec4>(x, y);
+            apart += glm::length(a - b) > 2e-3f * glm::length(a);
+            sum += double(b.z) - double(a.z);
+          }
+        EXPECT_LT(apart, width * height / 100) << technique << " " << samples << (pane ? " pane" : "");
+        EXPECT_LT(std::abs(sum), 1.0) << technique << " " << samples << (pane ? " pane" : "");
+      }
+    }
+  }
+}
+
 // Terms sum to beauty with blended surfaces over them, and the same frame is the same bytes.
 TEST_F(FrameReflections, TermsSumAndBytesStay) {
   const std::string path = write(floor_and_wall(0.3, false, true));

@@ -74,7 +74,7 @@ TEST_F(ReferenceLayers, AgreeOnGeneratedScenes) {
     if (name == "metaballs") continue;  // polygons stand for the surface (reference_metaballs.cpp)
     SCOPED_TRACE(name);
     const LayerPair p = layers_of(job_for(one_lamp(scene(name), Light::kept), width * 2, height * 2), 17.0 / 24);
-    // The rounding of a filtered normal map to 8-bit codes (docs/reference.md), and llvmpipe's cubic for
+    // The rounding of a filtered normal map to 8-bit codes (docs/understanding/reference.md), and llvmpipe's cubic for
     // sRGB, which is off by up to 1.2e-3.
     const double normal_floor = name == "normal-mapped" ? 9e-3 : 2e-5, colour_floor = 2e-3;
     std::vector<Bound> bounds = {{"depth.Z", 1e-6, 0.01}};

@@ -112,8 +112,8 @@ class ReferenceOcclusion : public ReferenceParity {
   }
 };
 
-// Bounds a little above what is measured (docs/occlusion.md). What the depth buffer cannot know is most of it: in
-// Sponza leaves, folds of cloth thinner than a pixel, and walls behind the edges of hanging cloth.
+// Bounds a little above what is measured (docs/understanding/occlusion.md). What the depth buffer cannot know is most
+// of it: in Sponza leaves, folds of cloth thinner than a pixel, and walls behind the edges of hanging cloth.
 TEST_F(ReferenceOcclusion, SponzaAgreesWithTheTracedTerm) {
   const Job job = sponza(320, 180);
   if (!std::filesystem::exists(job.scene)) GTEST_SKIP() << "the folder shared/assets is absent";

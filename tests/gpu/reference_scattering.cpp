@@ -129,8 +129,8 @@ TEST_F(ReferenceScattering, ABodyDoesNotShadowItself) {
     }
 }
 
-// The made scene under quality high against the walk, all shaders of it under validation. relMSE, as docs/materials.md
-// states it.
+// The made scene under quality high against the walk, all shaders of it under validation. relMSE, as
+// docs/understanding/materials.md states it.
 TEST_F(ReferenceScattering, TheErrorAgainstTheWalk) {
   const std::string file = ::testing::TempDir() + "candela_scattering.glb";
   const auto made = make_scene("scattering", 1, 0, file);

@@ -46,7 +46,8 @@ class ReferenceTraced : public ReferenceShadows {
   static ShadowAgreement lamps(const Job& job) {
     return compared(traced(job), "shadow_local", &reference::World::tree_punctual);
   }
-  // most_wrong: at outlines and in holes of masks, where the two see different surfaces (docs/shadows.md).
+  // most_wrong: at outlines and in holes of masks, where the two see different surfaces
+  // (docs/understanding/shadows.md).
   static void expect_exact(const ShadowAgreement& a, size_t most_wrong = 0) {
     fmt::print("{} wrong, {} of them where both see the same surface, as {} points do\n", a.acne + a.detached,
                a.wrong_inside, a.same_surface);

@@ -1,4 +1,4 @@
-# The variant of the program and of its tests that holds deliberate faults (docs/testing.md). generate.py copies the sources that
+# The variant of the program and of its tests that holds deliberate faults (docs/building/testing.md). generate.py copies the sources that
 # hold faults into the build folder, where each faulty place is a choice at run time; those copies take the originals' place.
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 set(mutated ${CMAKE_BINARY_DIR}/mutated)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs every fault of a build of the preset `mutate` against its tests, and says which were caught (docs/testing.md).
+"""Runs every fault of a build of the preset `mutate` against its tests, and says which were caught (docs/building/testing.md).
 
 Ends with 0 when at least 95 % of the faults that count are caught.
 """

@@ -1,4 +1,4 @@
-// What is mended in files and drawn (gltf/repair.h), each with its warning; docs/inputs.md has the table.
+// What is mended in files and drawn (gltf/repair.h), each with its warning; docs/using/inputs.md has the table.
 #include <gtest/gtest.h>
 
 #include <algorithm>

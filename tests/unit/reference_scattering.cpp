@@ -204,7 +204,7 @@ TEST(Scattering, BlackScatteringIsAbsorption) {
 }
 
 // Slabs under even light from one side: what two streams say against the walk. The largest difference is the error
-// that docs/materials.md states for flat bodies.
+// that docs/understanding/materials.md states for flat bodies.
 TEST(Scattering, TwoStreamsAgainstTheWalk) {
   double worst = 0;
   for (const double anisotropy : {0.0, 0.6})

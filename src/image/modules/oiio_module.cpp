@@ -1,5 +1,5 @@
 // The module candela_oiio.so: the only file that sees OpenImageIO, which pulls in some 250 shared libraries and is
-// therefore opened at first use only (docs/decisions.md).
+// therefore opened at first use only (docs/building/decisions.md).
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>

@@ -10,8 +10,8 @@ std::span<const Knob> MaskKnobs::table() {
        .highest = 1,
        .levels = {0, 0, 0, 1},
        .description =
-           "1: of a multisampled pixel a mask keeps the samples at which its alpha reaches the cutoff, so that "
-           "edges of masks are as smooth as those of meshes; 0: all or none; exact is supersampling"},
+           "1: a mask keeps the samples of a pixel whose alpha reaches the cutoff, so that edges of masks are as "
+           "smooth as those of meshes; 0: it keeps all samples or none; the exact end is supersampling"},
   };
   return table;
 }

@@ -11,9 +11,8 @@ std::span<const Knob> MetaballKnobs::table() {
        .lowest = 0.0625,
        .highest = 16,
        .levels = {2, 1, 0.5, 0.25},
-       .description =
-           "side of the lattice's cells, in units of what the scene says; half of it leaves a quarter of the "
-           "error and takes eight times the field",
+       .description = "side of the cells that polygons are made in, as a multiple of the scene's; half the side leaves "
+                      "a quarter of the error and needs eight times the evaluations",
        .kind = Trades::error,
        .sweep = {4, 2, 1, 0.5, 0.25}},
   };

@@ -20,9 +20,8 @@ std::span<const Knob> OcclusionCullKnobs::table() {
        .lowest = 0,
        .highest = 1,
        .levels = {0.005},
-       .description =
-           "share of the picture that an item's box covers at least for its depth to be drawn first and hide "
-           "others; changes time, never the image",
+       .description = "an item whose box covers at least this share of the picture is drawn first, to hide others; "
+                      "changes time, never the image",
        .kind = Trades::time,
        .sweep = {0, 0.05, 0.005}},
   };
@@ -30,7 +29,7 @@ std::span<const Knob> OcclusionCullKnobs::table() {
 }
 
 namespace {
-// Below these two phases may cost more than they save (docs/decisions.md).
+// Below these two phases may cost more than they save (docs/building/decisions.md).
 constexpr uint32_t least_items = 256, least_triangles = 100000;
 }  // namespace
 

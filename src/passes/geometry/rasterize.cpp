@@ -19,18 +19,18 @@ std::span<const Knob> RasterKnobs::table() {
        .unit = "px",
        .lowest = 1,
        .highest = shared::raster_most_small_px,
-       .levels = {8},
-       .description = "triangles up to this many pixels wide and high are one thread's; changes time, never the image",
+       .levels = {32},
+       .description = "triangles up to this many pixels wide and high, with several samples a pixel up to half as "
+                      "many, are rasterized by one thread; changes time, never the image",
        .kind = Trades::time,
-       .sweep = {1, 64, 8}},
+       .sweep = {1, 8, 64, 32}},
       {.name = "list",
        .member = &RasterKnobs::list,
        .lowest = 1,
        .highest = 1048576,
        .levels = {524288},
-       .description =
-           "other triangles that are dealt out tile by tile; what goes beyond is one thread's too; changes time, "
-           "never the image",
+       .description = "how many larger triangles are shared out tile by tile; further ones are rasterized by one "
+                      "thread each; changes time, never the image",
        .kind = Trades::time,
        .sweep = {1024, 524288}},
   };
@@ -83,7 +83,8 @@ void record_step(CommandList& commands, const SceneInputs& s, BufferHandle masks
                  shared::RasterizePush push) {
   push.large = commands.address(steps.large);
   push.most_large = uint32_t(knobs.list);
-  push.small_px = uint32_t(knobs.small_px);
+  // Of several samples a pixel costs a thread more. Measured on an H200: docs/understanding/visibility.md.
+  push.small_px = uint32_t(s.samples > 1 && push.views == 0 ? std::max(knobs.small_px / 2, 1) : knobs.small_px);
   if (commands.step() == 1) {
     push.groups = commands.address(steps.groups);
     commands.bind(steps.count);

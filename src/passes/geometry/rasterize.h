@@ -6,7 +6,7 @@ namespace candela {
 
 struct RasterKnobs {
   static constexpr std::string_view name = "rasterize";
-  int small_px = 8, list = 524288;
+  int small_px = 32, list = 524288;
   static std::span<const Knob> table();
 };
 // What both passes below do by.

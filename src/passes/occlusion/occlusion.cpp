@@ -38,10 +38,9 @@ std::span<const Knob> OcclusionKnobs::table() {
        .highest = OcclusionKnobs::automatic,
        .levels = {OcclusionKnobs::screen, OcclusionKnobs::automatic, OcclusionKnobs::automatic,
                   OcclusionKnobs::at_surfaces},
-       .description =
-           "what hides the sky: what the depth buffer shows; or all that there is, by rays from texels whose "
-           "values are filtered (rays), or from each surface that is shaded (traced). auto: rays, or screen where "
-           "trees cost too much",
+       .description = "how hidden sky is found: in the depth buffer (screen); by rays from texels, whose values are "
+                      "filtered (rays); by rays from every shaded surface (traced). auto: rays, or screen where trees "
+                      "for rays cost too much",
        .choices = {"screen", "traced", "rays", "auto"},
        .sweep = {OcclusionKnobs::screen, OcclusionKnobs::by_rays, OcclusionKnobs::at_surfaces}},
       {.name = "rays",
@@ -75,9 +74,8 @@ std::span<const Knob> OcclusionKnobs::table() {
        .lowest = 0.001,
        .highest = 100,
        .levels = {0.25f},
-       .description =
-           "how far surfaces hide, as a part of the point's distance from the camera, where the look names no "
-           "radius; without end in truth",
+       .description = "method screen: how far away surfaces can hide the sky, as a part of the point's distance from "
+                      "the camera, if the look names no radius; in truth there is no limit",
        .sweep = {0.1f, 0.5f, 1, 0.25f},
        .required = on_screen},
       {.name = "texel_px",
@@ -104,7 +102,7 @@ std::span<const Knob> OcclusionKnobs::table() {
        .lowest = 1,
        .highest = 512,
        .levels = {4, 6, 6, 64},
-       .description = "depths that are looked at on each side of a slice; fewer miss what hides the sky",
+       .description = "depths read on each side of a slice; fewer miss what hides the sky",
        .sweep = {1, 2, 4, 6, 16, 64},
        .required = on_screen},
       {.name = "denoise",

@@ -11,7 +11,7 @@ std::span<const Knob> MotionBlur::Knobs::table() {
        .lowest = 2,
        .highest = 1024,
        .levels = {16, 16, 16, 128},
-       .description = "places along its motion at which a pixel gathers; fewer show as noise",
+       .description = "lookups of a pixel along its motion; fewer show as noise",
        .sweep = {8, 16, 128},
        .required = "subframes.gather=1"},
       {.name = "most_px",

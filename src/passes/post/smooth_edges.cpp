@@ -13,7 +13,8 @@ std::span<const Knob> SmoothEdges::Knobs::table() {
        .lowest = 0,
        .highest = 128,
        .levels = {0},
-       .description = "how far along an edge its ends are looked for, where pixels have one sample; 0: edges stay",
+       .description =
+           "how far along an edge its ends are searched, for pictures of one sample a pixel; 0: edges are not smoothed",
        .sweep = {8, 32, 0}},
       {.name = "threshold",
        .member = &Knobs::threshold,

@@ -11,8 +11,7 @@ std::span<const Knob> SubframesKnobs::table() {
        .lowest = 1,
        .highest = 4096,
        .levels = {4, 8, 16, 256},
-       .description =
-           "frames that a picture with a shutter or a lens is the mean of (--subframes): the time of as many",
+       .description = "frames averaged for a picture with a shutter or a lens (--subframes); the time grows with them",
        .sweep = {4, 16, 256}},
       {.name = "gather",
        .member = &SubframesKnobs::gather,

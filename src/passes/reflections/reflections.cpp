@@ -79,9 +79,8 @@ std::span<const Knob> ReflectionKnobs::table() {
        .lowest = 0,
        .highest = 1,
        .levels = {0.05, 0.02, 0.02, 0},
-       .description =
-           "how far behind a seen surface a ray still meets it, in parts of its distance; more finds what is "
-           "hidden and invents what is not; 0: seen surfaces alone",
+       .description = "thickness that a ray assumes behind visible surfaces, as a part of their distance; more finds "
+                      "hidden surfaces, and some that are not there; 0: only visible surfaces",
        .sweep = {0.2, 0.05, 0.02, 0.01, 0},
        .required = on_screen},
       {.name = "fade",
@@ -120,15 +119,25 @@ uint32_t Reflections::levels(const SceneInputs& scene) {
   return count;
 }
 
-Reflections::Out Reflections::declare(GraphBuilder& builder, const In& in) const {
+namespace {
+ImageHandle surface_image(GraphBuilder& builder, const SceneInputs& s, const char* name, VkFormat format,
+                          Access access) {
+  const ImageDesc desc{.name = name, .format = format, .width_px = s.width_px, .height_px = s.height_px};
+  return builder.write(builder.create(desc), access);
+}
+
+// access: of images that are drawn to, or stored.
+void write_surfaces(GraphBuilder& builder, const SceneInputs& s, bool has_fog, Access access, Reflections::Out& out) {
+  Reflected& r = out.reflected;
+  r.surface = surface_image(builder, s, "reflections.surface", VK_FORMAT_R32G32B32A32_UINT, access);
+  r.reflectance = surface_image(builder, s, "reflections.reflectance", VK_FORMAT_R32G32_UINT, access);
+  r.sky = surface_image(builder, s, "reflections.sky", color_format, access);
+  if (has_fog) out.fog = surface_image(builder, s, "reflections.fog", color_format, access);
+}
+}  // namespace
+
+void Reflections::declare_drawn(GraphBuilder& builder, const In& in, Out& out) const {
   const SceneInputs& scene = in.scene;
-  const auto image = [&](const char* name, VkFormat format) {
-    return builder.create(
-        ImageDesc{.name = name, .format = format, .width_px = scene.width_px, .height_px = scene.height_px});
-  };
-  Out out;
-  out.reflected.texel_px = uint32_t(knobs.texel_px);
-  builder.begin_step();
   declare_lights(builder, scene, in.lists);  // their addresses stand where occlusion's texels do
   declare_fog(builder, scene, in.lists, true);
   BatchPipelineChoice choice;
@@ -141,13 +150,31 @@ Reflections::Out Reflections::declare(GraphBuilder& builder, const In& in) const
   choice.desc.constants = light_constants(in.lists);
   out.drawn = declare_batches(
       builder, scene, in.draws, in.deformed, [](const DrawBatch& r) { return r.solid(); }, choice);
-  out.reflected.surface =
-      builder.write(image("reflections.surface", VK_FORMAT_R32G32B32A32_UINT), Access::color_attachment);
-  out.reflected.reflectance =
-      builder.write(image("reflections.reflectance", VK_FORMAT_R32G32_UINT), Access::color_attachment);
-  out.reflected.sky = builder.write(image("reflections.sky", color_format), Access::color_attachment);
-  if (in.lists.fog) out.fog = builder.write(image("reflections.fog", color_format), Access::color_attachment);
-  out.reflected.z = builder.write(image("reflections.z", depth_format), Access::depth_attachment);
+  write_surfaces(builder, scene, bool(in.lists.fog), Access::color_attachment, out);
+  out.reflected.z = surface_image(builder, scene, "reflections.z", depth_format, Access::depth_attachment);
+}
+
+void Reflections::declare_keyed(GraphBuilder& builder, const In& in, Out& out) const {
+  const SceneInputs& scene = in.scene;
+  declare_keyed_surfaces(builder, scene, in.keys, in.deformed);
+  declare_lights(builder, scene, in.lists, ReadBy::compute());
+  declare_fog(builder, scene, in.lists, true, ReadBy::compute());
+  ComputePipelineDesc desc{with_fog("reflections_surface.comp", in.lists), met_constants(scene, in.lists)};
+  desc.shader += surface_definitions(desc.constants);
+  out.pipelines.surface = builder.pipeline(desc);
+  write_surfaces(builder, scene, bool(in.lists.fog), Access::storage_image_write, out);
+  out.reflected.z = surface_image(builder, scene, "reflections.z", float_format, Access::storage_image_write);
+}
+
+Reflections::Out Reflections::declare(GraphBuilder& builder, const In& in) const {
+  const SceneInputs& scene = in.scene;
+  Out out;
+  out.reflected.texel_px = uint32_t(knobs.texel_px);
+  builder.begin_step();
+  if (in.keys)
+    declare_keyed(builder, in, out);
+  else
+    declare_drawn(builder, in, out);
   if (knobs.method == Knobs::by_rays)
     declare_rays(builder, in, out);
   else
@@ -221,12 +248,7 @@ void Reflections::record(CommandList& commands, const In& in, const Out& out) co
   const bool is_traced = knobs.method == Knobs::by_rays;
   const uint32_t step = commands.step(), last = is_traced ? 1 : levels(scene) + 1;
   if (step == 0) {
-    std::vector<CommandList::Attachment> colors = {
-        {out.reflected.surface}, {out.reflected.reflectance}, {out.reflected.sky}};
-    if (out.fog) colors.push_back({out.fog});
-    commands.begin_picture(colors, out.reflected.z);
-    record_batches(commands, scene, in.draws, in.deformed, out.drawn, &in.lists, &in.lists);
-    commands.end_rendering();
+    record_surfaces(commands, in, out);
   } else if (step > last) {
     shared::ReflectionsSmoothPush push{};
     push.at = surfaces_of(commands, out.reflected);
@@ -243,6 +265,27 @@ void Reflections::record(CommandList& commands, const In& in, const Out& out) co
   } else {
     record_march(commands, in, out);
   }
+}
+
+void Reflections::record_surfaces(CommandList& commands, const In& in, const Out& out) const {
+  const SceneInputs& scene = in.scene;
+  const Reflected& r = out.reflected;
+  if (!in.keys) {
+    std::vector<CommandList::Attachment> colors = {{r.surface}, {r.reflectance}, {r.sky}};
+    if (out.fog) colors.push_back({out.fog});
+    commands.begin_picture(colors, r.z);
+    record_batches(commands, scene, in.draws, in.deformed, out.drawn, &in.lists, &in.lists);
+    commands.end_rendering();
+    return;
+  }
+  OwnInputs own;
+  own.table = in.keys;
+  own.number =
+      REFLECTIONS_SURFACE_IMAGES(commands.storage(r.z), commands.storage(r.surface), commands.storage(r.reflectance),
+                                 commands.storage(r.sky), out.fog ? commands.storage(out.fog) : 0u);
+  commands.bind(out.pipelines.surface);
+  commands.push(draw_push(commands, scene, in.deformed, &in.lists, &in.lists, own));
+  commands.dispatch_picture(scene.width_px, scene.height_px);
 }
 
 void Reflections::record_march(CommandList& commands, const In& in, const Out& out) const {
@@ -307,16 +350,42 @@ void Reflections::record_rays(CommandList& commands, const In& in, const Out& ou
 
 ReflectionsOver::Out ReflectionsOver::declare(GraphBuilder& builder, const In& in) const {
   Out out;
-  out.pipeline = declare_reflected(builder, in.scene, in.reflected, in.depth, {color_format});
-  out.color = builder.write(in.color, Access::color_attachment);
+  if (!in.whole) {
+    out.pipeline = declare_reflected(builder, in.scene, in.reflected, in.depth.image, {color_format});
+    out.color = builder.write(in.color, Access::color_attachment);
+    return out;
+  }
+  const Reflected& r = in.reflected;
+  builder.read(in.scene.constants, Access::uniform_read, "the frame's constants");
+  read_depth(builder, in.depth);
+  for (const ImageHandle image : {r.light, r.z, r.surface, r.reflectance, r.sky})
+    builder.read(image, Access::sampled_compute, "reflections");
+  ComputePipelineDesc desc{with_depth("reflections_over.comp", in.depth), {}};
+  if (r.texel_px != 1) desc.constants.push_back({0, "SIDE", r.texel_px});
+  if (in.scene.samples != 1) desc.constants.push_back({1, "SAMPLES", in.scene.samples});
+  out.pipeline = builder.pipeline(desc);
+  out.color = builder.write(in.color, Access::storage_image_read_write);
   return out;
 }
 
 void ReflectionsOver::record(CommandList& commands, const In& in, const Out& out) const {
-  const CommandList::Attachment color{out.color};
-  commands.begin_picture({&color, 1}, {});
-  record_reflected(commands, in.scene, in.reflected, in.depth, out.pipeline);
-  commands.end_rendering();
+  if (!in.whole) {
+    const CommandList::Attachment color{out.color};
+    commands.begin_picture({&color, 1}, {});
+    record_reflected(commands, in.scene, in.reflected, in.depth.image, out.pipeline);
+    commands.end_rendering();
+    return;
+  }
+  shared::ReflectionsOverWholePush push{};
+  push.at = surfaces_of(commands, in.reflected);
+  push.light = commands.sampled(in.reflected.light);
+  push.color = commands.storage(out.color);
+  push.texels = commands.size(in.reflected.light);
+  push.subsample_ndc = in.scene.subsample_ndc();
+  push_depth(commands, in.depth, push);
+  commands.bind(out.pipeline);
+  commands.push(push);
+  commands.dispatch_picture(in.scene.width_px, in.scene.height_px);
 }
 
 }  // namespace candela

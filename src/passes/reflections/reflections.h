@@ -2,6 +2,7 @@
 #include "passes/shared/draw_batches.h"
 #include "passes/shared/pass.h"
 #include "passes/shared/reflected.h"
+#include "passes/shared/sampled_depth.h"
 #include "passes/shared/screen_or_rays.h"
 
 namespace candela {
@@ -32,7 +33,8 @@ struct ReflectionKnobs : ScreenOrRays {
 // by the functions of all techniques: every lamp with its shadow by a ray, the sky with occlusion by rays, textures as
 // coarse as the sample's fraction of the lobe is there (Igehy, "Tracing Ray Differentials", 1999).
 //
-// Steps: the surfaces at the pixels' middles, drawn again; the picture's pyramid, of surfaces alone; rays.
+// Steps: the surfaces at the pixels' middles, from keys in compute, or drawn again; the picture's pyramid, of surfaces
+// alone; rays.
 // Picture: linear, pre-exposed, resolved, with all that lies behind blended surfaces. Its fog's own light is taken from
 // it and what fog takes on the way to the camera is given back; then the ray's way through fog takes its own. So the
 // model is: the light of surfaces through fog, and no light of fog itself, as for the sky's reflections.
@@ -52,6 +54,7 @@ struct Reflections {
     Lighting lists;         // fog and ambient occlusion, where there are any
     Lighting met;           // what surfaces that rays meet are lit by; only where the scene is traced
     ImageHandle picture;    // of one sample; only where it is not
+    BufferHandle keys;      // of a visibility buffer, at the pixels' middles: surfaces are found in compute; optional
     bool has_sky = false;   // the frame's harmonics are those of a sky
     uint32_t seed = 0;
   };
@@ -61,7 +64,7 @@ struct Reflections {
     ImageHandle noisy;  // the light before it is smoothed; empty without
     BatchPipelines drawn;
     struct {
-      PipelineHandle color, down, trace, smooth;
+      PipelineHandle surface, color, down, trace, smooth;
     } pipelines;
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
@@ -76,6 +79,9 @@ struct Reflections {
   Knobs knobs;
 
  private:
+  void declare_drawn(GraphBuilder& builder, const In& in, Out& out) const;
+  void declare_keyed(GraphBuilder& builder, const In& in, Out& out) const;
+  void record_surfaces(CommandList& commands, const In& in, const Out& out) const;
   void declare_march(GraphBuilder& builder, const In& in, Out& out) const;
   void declare_rays(GraphBuilder& builder, const In& in, Out& out) const;
   void record_march(CommandList& commands, const In& in, const Out& out) const;
@@ -83,7 +89,8 @@ struct Reflections {
 };
 
 // Adds them to the picture, in the place of what the surfaces had from the sky. Edges: a pixel's samples that are of
-// the surface at its middle get the reflection of that middle, the others keep the sky.
+// the surface at its middle get the reflection of that middle, the others keep the sky. Where nothing is drawn over the
+// picture it has one sample a pixel already, the mean of them, and gets as much, in compute.
 struct ReflectionsOver {
   static constexpr std::string_view name = "reflections_over";
   static constexpr std::string_view effect = "reflections";
@@ -91,8 +98,9 @@ struct ReflectionsOver {
   struct In {
     SceneInputs scene;
     Reflected reflected;
-    ImageHandle depth;  // of the frame
+    SampledDepth depth;  // of the frame, at its samples; an image unless the picture is whole
     ImageHandle color;
+    bool whole = false;
   };
   struct Out {
     ImageHandle color;

@@ -72,9 +72,8 @@ std::span<const Knob> LampKnobs::table() {
        .lowest = 0,
        .highest = 1024,
        .levels = {0, 4, 9, 64},
-       .description =
-           "where a pixel covers more of a map than texels are compared about a point: places within the pixel that "
-           "are; fewer leave edges of shadows that jump from pixel to pixel. 0: pixels are points",
+       .description = "lookups spread over a pixel that covers more of a shadow map than one lookup reads; with fewer, "
+                      "edges of shadows jump from pixel to pixel. 0: one lookup at the pixel's middle",
        .sweep = {0, 4, 9, 16, 64},
        .required = from_maps},
       {.name = "draws",

@@ -41,9 +41,8 @@ std::span<const Knob> LightVoxelKnobs::table() {
        .lowest = 1,
        .highest = 32,
        .levels = {16, 8, 8, 1},
-       .description =
-           "side of the squares of pixels in which cells lie that know which lights are seen from them; larger "
-           "ones miss more of what is small. 1: each point sends its own rays, as traced",
+       .description = "side in pixels of the cells that store which lights are seen from them; larger cells miss more "
+                      "small shadows. 1: each point sends its own rays, as traced",
        .sweep = {32, 16, 8, 4, 1},
        .only = {1, 4, 8, 16, 32},
        .required = in_use},

@@ -68,7 +68,8 @@ std::span<const Knob> SunKnobs::table() {
        .lowest = 0.001,
        .highest = 1,
        .levels = {1},
-       .description = "how much of the depth that is drawn the finer cascades divide; the last one reaches on",
+       .description =
+           "the part of the drawn depth that the finer cascades divide among them; the last cascade covers the rest",
        .sweep = {0.0625, 0.25, 0.5, 1},
        .required = "sun.mode=cascades"},
       {.name = "split_lambda",
@@ -84,7 +85,8 @@ std::span<const Knob> SunKnobs::table() {
        .lowest = 0,
        .highest = 1,
        .levels = {0},
-       .description = "1 fits a cascade to the corners of its slice: smaller texels, that change as the camera turns",
+       .description =
+           "1: fits a cascade to the corners of its slice: smaller texels, but their size changes as the camera turns",
        .sweep = {1, 0},
        .required = "sun.mode=cascades"},
       {.name = "skip_served",
@@ -92,7 +94,8 @@ std::span<const Knob> SunKnobs::table() {
        .lowest = 0,
        .highest = 1,
        .levels = {1},
-       .description = "0 draws into a cascade also what a finer one serves; changes time, never the image",
+       .description =
+           "0: draws into each cascade also what only finer cascades are read for; changes time, never the image",
        .kind = Trades::time,
        .sweep = {0, 1},
        .required = "sun.mode=cascades"},

@@ -9,9 +9,8 @@ std::span<const Knob> BvhKnobs::table() {
        .lowest = 0,
        .highest = 2,
        .levels = {},
-       .description =
-           "who finds what rays meet: shaders, by the trees of bvh.builder; the device, asked by any shader that "
-           "sends rays (query), or by a pipeline for the camera's rays alone",
+       .description = "what traces rays: shaders, through the trees of bvh.builder; the device, by ray queries in any "
+                      "shader (query); or a ray tracing pipeline for the camera's rays only",
        .choices = {"shader", "query", "pipeline"},
        .kind = Trades::time,
        .sweep = {1, 2, 0}},
@@ -20,9 +19,8 @@ std::span<const Knob> BvhKnobs::table() {
        .lowest = 0,
        .highest = 3,
        .levels = {},
-       .description =
-           "trees of rays: halves by count, by surface areas, by those and splits of space, or by splits alone; "
-           "time to build against time to trace",
+       .description = "how trees for rays are built: halves by count, by surface area (sah), by surface area with "
+                      "spatial splits (sbvh), or by spatial splits alone; time to build against time to trace",
        .choices = {"equal-counts", "sah", "sbvh", "spatial-only"},
        .kind = Trades::time,
        .sweep = {0, 2, 1}},
@@ -47,7 +45,8 @@ std::span<const Knob> BvhKnobs::table() {
        .lowest = 0,
        .highest = 3,
        .levels = {},
-       .description = "triangles that the builder takes to be tested for the price of one: 1, 2, 4, 8 as 0, 1, 2, 3",
+       .description = "how many triangles the builder assumes to be tested for the price of one, as a power of two: 0, "
+                      "1, 2, 3 for 1, 2, 4, 8",
        .kind = Trades::time,
        .sweep = {0, 2}},
       {.name = "node_cost",
@@ -55,7 +54,7 @@ std::span<const Knob> BvhKnobs::table() {
        .lowest = 0,
        .highest = 100,
        .levels = {},
-       .description = "what the builder takes a step down to cost, in tests",
+       .description = "cost that the builder assumes for a step down the tree, in triangle tests",
        .kind = Trades::time,
        .sweep = {0.125, 0.5}},
       {.name = "depth",
@@ -81,9 +80,8 @@ std::span<const Knob> BvhKnobs::table() {
        .highest = 1 << 28,
        .levels = {},
        .description =
-           "triangles that lie in the tree again for each item that shares them, beyond the first copies; of "
-           "more, shared geometry has a tree of its own, which takes less memory and time to build, and "
-           "more to trace",
+           "most triangles that may be repeated in the tree for items that share geometry; beyond it shared geometry "
+           "gets a tree of its own, which takes less memory and time to build, and more time to trace",
        .kind = Trades::time,
        .sweep = {0, 1 << 19}},
   };

@@ -9,7 +9,7 @@ std::span<const Knob> LightKnobs::table() {
        .lowest = 0,
        .highest = 3,
        .levels = {3},
-       .description = "bounding test of light against cell: looser ones list lights that give nothing",
+       .description = "test of a light's bounds against a cell; looser tests list lights that give nothing there",
        .choices = {"aabb", "cone-sphere", "capsule", "capsule-joint"},
        .kind = Trades::time,
        .sweep = {0, 1, 2, 3}},
@@ -26,9 +26,8 @@ std::span<const Knob> LightKnobs::table() {
        .lowest = 0,
        .highest = 2,
        .levels = {0},
-       .description =
-           "how a cell stores its lights: a bit for each of the frame's, or only its own; auto takes what is "
-           "smaller and quicker",
+       .description = "how a cell stores its lights: one bit for every light of the frame (bitmask), or a list of its "
+                      "own (compact); auto takes the smaller and quicker",
        .choices = {"auto", "bitmask", "compact"},
        .kind = Trades::time,
        .sweep = {1, 2, 0}},
@@ -37,9 +36,8 @@ std::span<const Knob> LightKnobs::table() {
        .lowest = 0,
        .highest = 2,
        .levels = {0},
-       .description =
-           "how a cell's lights come into order: sorted, or filled so by a few groups of threads (not with cap); "
-           "auto: segments on a CPU",
+       .description = "how the lists of cells get their order: by sorting, or filled in order by a few groups of "
+                      "threads (segments; not with lights.cap); auto: segments on a CPU",
        .choices = {"auto", "sorted", "segments"},
        .kind = Trades::time,
        .sweep = {1, 2, 0}},
@@ -49,7 +47,7 @@ std::span<const Knob> LightKnobs::table() {
        .lowest = 8,
        .highest = 256,
        .levels = {32},
-       .description = "clustered: side of a tile; smaller ones list fewer lights and are more",
+       .description = "clustered: side of a tile; smaller tiles have shorter lists, but there are more of them",
        .kind = Trades::time,
        .sweep = {8, 16, 64, 128, 32}},
       {.name = "slices_per_octave",
@@ -66,7 +64,7 @@ std::span<const Knob> LightKnobs::table() {
        .lowest = 0,
        .highest = 1 << 20,
        .levels = {8},
-       .description = "with this many lights or fewer no lists are made and each pixel walks all",
+       .description = "with this many lights or fewer no lists are made: each pixel is shaded with all lights",
        .kind = Trades::time,
        .sweep = {0, 64, 1024, 8}},
       {.name = "memory_mb",
@@ -83,8 +81,8 @@ std::span<const Knob> LightKnobs::table() {
        .lowest = 0,
        .highest = 1 << 30,
        .levels = {64},
-       .description =
-           "in lists of more lights each point first looks which of them reach it; then those of its group are shaded",
+       .description = "in lists longer than this each point first finds the lights that reach it; only those of its "
+                      "group of points are shaded",
        .kind = Trades::time,
        .sweep = {0, 1 << 30, 64}},
       {.name = "cap",
@@ -92,8 +90,7 @@ std::span<const Knob> LightKnobs::table() {
        .lowest = 0,
        .highest = 1 << 20,
        .levels = {0},
-       .description =
-           "walk no more than this many lights a cell, as other renderers do; 0: all. Loses light and says how much",
+       .description = "longest list of a cell, as other renderers have it; 0: no limit. Loses light and says how much",
        .sweep = {4, 16, 64, 256, 0}},
   };
   return table;
@@ -106,9 +103,9 @@ std::span<const Knob> LightRangeKnobs::table() {
        .lowest = 0,
        .highest = 1,
        .levels = {0.05, 0.02, 0.005, 0},
-       .description =
-           "lights without range end where no surface loses more of its light than this, or of a hundredth of "
-           "what is white; of very many, stand-ins give what lies beyond; 0: nowhere, so that every pixel walks them",
+       .description = "a light without range ends where no surface loses more than this part of its light, or of a "
+                      "hundredth of white; for very many lights, stand-ins give the light beyond; 0: they have no end, "
+                      "and every pixel is shaded with them",
        .sweep = {0.05, 0.02, 0.005, 0}},
       {.name = "floor_lux",
        .member = &LightRangeKnobs::floor_lux,

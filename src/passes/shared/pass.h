@@ -41,7 +41,7 @@ inline Need needed_for_solid_surfaces(const SceneFacts& facts) {
   return needed_if(facts.lit_items + facts.unlit_items > 0, "the scene has no opaque or masked surface");
 }
 
-// docs/design.md, "A pass". No base class: a pass is a plain struct of this shape.
+// docs/building/design.md, "A pass". No base class: a pass is a plain struct of this shape.
 template <class P>
 concept Pass = requires(const P pass, const SceneFacts& facts, const FrameRequest& request, GraphBuilder& builder,
                         const typename P::In& in, const typename P::Out& out, CommandList& commands) {

@@ -34,7 +34,7 @@ struct GBufferKnobs {
 //     plane is the shading normal's.
 // Reliefs whose light is looked for within them have their triangle in 16 bytes more. Lobes are 80 bytes more in each,
 // as floats, where visible materials have some, 96 where bodies scatter light. Leaves wrong: in packed formats albedo,
-// f0 and occlusion above 1 are 1. Measured errors: docs/techniques.md.
+// f0 and occlusion above 1 are 1. Measured errors: docs/understanding/techniques.md.
 struct GBuffer {
   static constexpr std::string_view name = "gbuffer";
   using Knobs = GBufferKnobs;

@@ -74,9 +74,8 @@ std::span<const Knob> IblKnobs::table() {
        .lowest = 0,
        .highest = 1 << 16,
        .levels = {1, 4, 8, 64},
-       .description =
-           "lookups of the sky's image along what a pixel of a smooth surface mirrors of it, which curved surfaces "
-           "stretch; fewer blur more; 0: one direction of the filtered sky, which misses small lights",
+       .description = "lookups of the sky image over the part of it that a pixel of a smooth surface mirrors; fewer "
+                      "blur more; 0: one direction of the filtered sky, which misses small lights",
        .sweep = {0, 1, 4, 8, 64},
        .required = "ibl.method=lobe"},
   };

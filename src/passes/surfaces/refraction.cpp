@@ -44,8 +44,8 @@ std::span<const Knob> RefractionKnobs::table() {
        .lowest = 0,
        .highest = 1,
        .levels = {0.2, 0.1, 0.1, 0.045},
-       .description =
-           "roughness from which a surface looks up the picture all the same; more takes rough ones for smooth",
+       .description = "roughness from which method traced looks up the picture instead; a higher value treats rough "
+                      "surfaces as smooth",
        .sweep = {0.4, 0.2, 0.1, 0.045},
        .required = "refraction.method=traced"},
       {.name = "full_size",
@@ -53,9 +53,8 @@ std::span<const Knob> RefractionKnobs::table() {
        .lowest = 0,
        .highest = 1,
        .levels = {1},
-       .description =
-           "1: sharp surfaces look up the picture behind itself; 0: its copy of the next lower power of two, "
-           "the first of its levels, which saves an image of the picture's size",
+       .description = "1: smooth surfaces look up the picture behind them at full size; 0: in a copy of the next lower "
+                      "power of two, which saves an image of the picture's size",
        .sweep = {0, 1}},
   };
   return table;

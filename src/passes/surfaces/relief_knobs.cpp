@@ -26,10 +26,9 @@ std::span<const Knob> ReliefKnobs::table() {
        .lowest = -1,
        .highest = 1024,
        .levels = {16, 0, 0, 0},
-       .description =
-           "even steps of the way from a point of a relief up to its plane, towards each light with a shadow map, by "
-           "which its own shadow is looked for: that of what the light comes past where it comes in by a wall's ends, "
-           "and of joints narrower than the map's texels. 0: texel by texel, exactly; -1: by the map alone",
+       .description = "even steps from a point of a relief up to its plane, towards each light with a shadow map, in "
+                      "which the relief's own shadow is looked for: in joints narrower than the map's texels, and at "
+                      "the ends of walls. 0: texel by texel, exactly; -1: by the map alone",
        .sweep = {-1, 4, 16, 0}},
       {.name = "by_sample",
        .member = &ReliefKnobs::by_sample,

@@ -9,8 +9,8 @@ std::span<const Knob> SampleStoreKnobs::table() {
        .lowest = automatic,
        .highest = buffer,
        .levels = {automatic},
-       .description = "where compute puts the samples of a multisampled picture that others draw over: the image, or a "
-                      "buffer that fragment shaders copy; auto: the image where the device can",
+       .description = "where compute shaders store the samples of a multisampled picture: in the image, or in a buffer "
+                      "that fragment shaders copy; auto: in the image if the device can",
        .choices = {"auto", "image", "buffer"},
        .kind = Trades::time,
        .sweep = {image, buffer, automatic}},

@@ -34,6 +34,7 @@ ShadeVisible::Out ShadeVisible::declare(GraphBuilder& builder, const In& in) con
     out.samples = declare_sample_store(builder, s, name, store);
   }
   if (!in.lists.records.words) {
+    if (s.samples > 1) store += fmt::format("#SHARED={}", s.samples);
     out.pipeline = builder.pipeline(pipeline(in.lists, store));
     return out;
   }

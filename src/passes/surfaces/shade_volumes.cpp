@@ -23,9 +23,8 @@ std::span<const Knob> LightVolumeKnobs::table() {
        .lowest = 0,
        .highest = 2,
        .levels = {},
-       .description =
-           "what keeps volumes from what their lights do not change: nothing, the light's reach, or that and a "
-           "stencil; the picture is the same",
+       .description = "what keeps a light's volume from pixels that its light does not change: nothing, the light's "
+                      "reach, or reach and a stencil; the picture is the same",
        .choices = {"none", "reach", "stencil"},
        .sweep = {0, 1, 2}},
       {.name = "depth_test",
@@ -33,9 +32,8 @@ std::span<const Knob> LightVolumeKnobs::table() {
        .lowest = 0,
        .highest = 1,
        .levels = {},
-       .description =
-           "1: a volume asks no sample before or behind it, which misses light where a pixel's surface is shaded "
-           "far from that sample; 0: it asks all that it covers",
+       .description = "1: a light's volume skips samples before or behind it, which misses light where a pixel is "
+                      "shaded far from the sample; 0: it takes all that it covers",
        .sweep = {1, 0}},
   };
   return table;

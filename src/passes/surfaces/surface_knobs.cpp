@@ -9,10 +9,9 @@ std::span<const Knob> SurfaceKnobs::table() {
        .lowest = 0,
        .highest = 2,
        .levels = {},
-       .description =
-           "highlights of normals that turn within a pixel are made as much wider: of the shading normal's "
-           "differences between pixels (normals), or of the mesh's and by what a filtered normal map has lost "
-           "(maps); off: they sparkle and shift, and more samples a pixel (supersample.n) are the exact end",
+       .description = "widens highlights where normals vary within a pixel, by the differences of the shading normal "
+                      "between pixels (normals), or of the mesh's normal and what filtering took from the normal map "
+                      "(maps); off: such highlights sparkle and shift. Exact end: more samples a pixel (supersample.n)",
        .choices = {"off", "normals", "maps"},
        .sweep = {1, 2, 0}},
   };

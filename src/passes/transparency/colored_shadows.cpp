@@ -32,10 +32,9 @@ std::span<const Knob> ColoredShadowKnobs::table() {
        .lowest = off,
        .highest = full,
        .levels = {off, half, half, full},
-       .description =
-           "texels along a side of what see-through surfaces leave of a light, over those of its shadow map; off: they "
-           "let all of it through. Exact end: full, in 32-bit floats, with sun.size_px and local.size_px as large as "
-           "fit",
+       .description = "size of the maps of light coloured by see-through surfaces, relative to the shadow map; off: "
+                      "those surfaces let all light through. Exact end: full, in 32-bit floats, with sun.size_px and "
+                      "local.size_px as large as fit",
        .choices = {"off", "half", "full"},
        .sweep = {off, half, full}},
       {.name = "steps",

@@ -16,9 +16,8 @@ std::span<const Knob> DeepShadowKnobs::table() {
        .lowest = off,
        .highest = full,
        .levels = {off, quarter, quarter, half},
-       .description =
-           "texels along a side of what see-through surfaces leave of a light at each distance, for blended surfaces "
-           "and air, over those of its shadow map; off: they are lit as if nothing blended were before them",
+       .description = "size of the maps of coloured light by distance, which light blended surfaces and air, relative "
+                      "to the shadow map; off: they are lit as if nothing blended stood in the way",
        .choices = {"off", "quarter", "half", "full"},
        .sweep = {off, quarter, half}},
       {.name = "slices",
@@ -26,9 +25,8 @@ std::span<const Knob> DeepShadowKnobs::table() {
        .lowest = 4,
        .highest = 24,
        .levels = {4, 8, 16, 24},
-       .description =
-           "distances at which a texel knows that, between its nearest and its farthest see-through surface; memory "
-           "and time grow with them",
+       .description = "distances kept in each texel of those maps, between its nearest and its farthest see-through "
+                      "surface; memory and time grow with them",
        .sweep = {4, 8, 16, 24},
        .only = {4, 8, 12, 16, 20, 24}},
   };

@@ -27,7 +27,7 @@ std::span<const Knob> Fragments::Knobs::table() {
        .highest = 3072,
        .levels = {},
        .description =
-           "memory of stored fragments, 44 bytes each; half of it is a round's, and a quad of pixels must fit in that",
+           "memory for stored fragments, 44 bytes each; a round uses half of it, and a quad of pixels must fit in that",
        .kind = Trades::time,
        .sweep = {64, 256}},
       {.name = "rounds",

@@ -11,9 +11,8 @@ std::span<const Knob> Moments::Knobs::table() {
        .lowest = 4,
        .highest = 8,
        .levels = {4, 4, 4, 8},
-       .description =
-           "moments of depth: how many steps of transmittance the curve can follow, against memory and time; "
-           "exact is --transparency layers",
+       .description = "number of depth moments: more follow more steps of transmittance, and take memory and time; "
+                      "exact is --transparency layers",
        .sweep = {4, 6, 8},
        .only = {4, 6, 8}},
   };

@@ -15,9 +15,8 @@ std::span<const Knob> Phenomenological::Knobs::table() {
        .lowest = 1,
        .highest = 1024,
        .levels = {1, 8, 16, 128},
-       .description =
-           "places of the picture that a pixel behind frosted glass is the mean of; 1: one, in the level of the "
-           "picture that is as wide, however near what it shows lies to the glass",
+       .description = "lookups of the picture averaged for a pixel of frosted glass; 1: one lookup in a blurred level, "
+                      "however close to the glass lies what it shows",
        .sweep = {1, 4, 8, 16, 32, 128}},
       {.name = "search",
        .member = &Knobs::search,
@@ -39,9 +38,8 @@ std::span<const Knob> Phenomenological::Knobs::table() {
        .member = &Knobs::falloff,
        .lowest = 0,
        .highest = 16,
-       .description =
-           "power of two by which the farthest surface's own light counts less than the nearest's; which value "
-           "is the best depends on how much the surfaces hide",
+       .description = "the farthest surface's own light counts 2 to this power times less than the nearest's; the best "
+                      "value depends on how much the surfaces hide",
        .kind = Trades::look},
   };
   return table;

@@ -26,9 +26,8 @@ std::span<const Knob> FogKnobs::table() {
        .lowest = 0,
        .highest = 2,
        .levels = {froxels, froxels, froxels, pixels},
-       .description =
-           "froxels: light is kept in a grid of rays and depths; march: coarse texels follow rays in steps that "
-           "take even shares of the light; pixels: each pixel follows a ray of its own",
+       .description = "froxels: light is stored in a grid of rays and depths; march: coarse texels follow rays in "
+                      "steps of equal loss of light; pixels: each pixel follows its own ray",
        .choices = {"froxels", "march", "pixels"},
        .sweep = {froxels, march, pixels}},
       {.name = "grid",

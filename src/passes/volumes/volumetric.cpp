@@ -65,7 +65,7 @@ std::span<const Knob> VolumetricLight::Knobs::table() {
        .lowest = 0,
        .highest = 1,
        .levels = {0, 1, 1, 1},
-       .description = "which of its pixels a texel follows: the nearest, or the nearest and the farthest by turns",
+       .description = "which of its pixels a texel follows: the nearest, or nearest and farthest alternately",
        .choices = {"nearest", "checkerboard"},
        .sweep = {0, 1}},
       {.name = "upsample",

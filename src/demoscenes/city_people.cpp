@@ -195,7 +195,7 @@ class People {
 
  private:
   static constexpr int lantern_groups = 5;
-  static constexpr double turn_radius_m = 1.8;
+  static constexpr double turn_radius_m = 2.4;
   static constexpr std::array turn_times_s{3.1, 9.2, 7.6, 15.4, 4.6, 10.7, 14.2};
 
   size_t next_gait() const { return next_ % gaits_.size(); }
@@ -260,7 +260,10 @@ class People {
     const Gait& g = gaits_[gait];
     Samplers made = samplers_[gait];
     for (size_t j = left_thigh; j <= right_foot; ++j) {
-      const std::vector<double> times = turn_times(g, turn, key_times(g, j));
+      const std::vector<double> times = turn_times(g, turn, key_times(g, j),
+                                                   j == left_foot    ? g.phase
+                                                   : j == right_foot ? g.phase + 0.5
+                                                                     : -1);
       std::vector<double> places, turns;
       for (double t : times) {
         const Joints joints = legs_at(g, turn, t);

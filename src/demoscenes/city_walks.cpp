@@ -58,7 +58,7 @@ std::array<Limb, 2> leg_to(glm::dvec3 hip, glm::dvec3 ankle) {
   return {{{hip, swing(knee)}, {hip + glm::dvec3(0, knee.x, knee.y), swing(below)}}};
 }
 
-constexpr double turn_key_s = 1 / 48.0;
+constexpr double turn_key_s = 1 / 48.0, lands_from = 0.95;
 
 }  // namespace
 
@@ -158,10 +158,13 @@ std::vector<double> key_times(const Gait& g, size_t joint) {
   return times;
 }
 
-std::vector<double> turn_times(const Gait& g, const Turn& turn, std::vector<double> times) {
+std::vector<double> turn_times(const Gait& g, const Turn& turn, std::vector<double> times, double first) {
   const double from = turn.after_m / g.speed_m_s - g.stride_s,
                to = (turn.after_m + arc_m(turn)) / g.speed_m_s + g.stride_s;
-  for (double t = std::max(from, 0.0); t < std::min(to, end_s); t += turn_key_s) times.push_back(t);
+  for (double t = std::max(from, 0.0); t < std::min(to, end_s); t += turn_key_s) {
+    // A foot comes down on one line, or it would slide just above the ground.
+    if (fraction(t / g.stride_s + first) < lands_from || first < 0) times.push_back(t);
+  }
   std::ranges::sort(times);
   const auto same = std::ranges::unique(times, [](double a, double b) { return b < a + 1e-4; });
   times.erase(same.begin(), same.end());

@@ -90,7 +90,8 @@ Joints legs_at(const Gait& gait, const Turn& turn, double time_s);
 
 // The keys of a joint in all the film: feet have theirs where they touch the ground and leave it.
 std::vector<double> key_times(const Gait& gait, size_t joint);
-// Where a walk turns, keys are so close that what is on the ground stays there between them too.
-std::vector<double> turn_times(const Gait& gait, const Turn& turn, std::vector<double> times_s);
+// Where a walk turns, keys are so close that what is on the ground stays there between them too. first: of a foot,
+// where in its stride it is at the beginning; below 0: of anything else.
+std::vector<double> turn_times(const Gait& gait, const Turn& turn, std::vector<double> times_s, double first = -1);
 
 }  // namespace candela::city

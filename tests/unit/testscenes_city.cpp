@@ -167,7 +167,7 @@ TEST(City, LegsHoldTogether) {
     const std::vector<size_t> shins = nodes_named(std::string(side) + " shin"),
                               feet = nodes_named(std::string(side) + " foot");
     ASSERT_EQ(shins.size(), feet.size());
-    for (double t = 1; t < 7; t += 0.031) {
+    for (double t = 1; t < 4; t += 0.031) {
       const Pose pose = pose_at(t);
       for (size_t i = 0; i < shins.size(); ++i) {
         const glm::dvec3 end(pose.world_from_node[shins[i]] * glm::dvec4(0, -0.43, 0, 1)),

@@ -146,32 +146,38 @@ def stillness(options, folder):
 
 
 def error(options, folder):
-    """Of the sum of squares of the difference of beauty, what each term has: its own relative error and its share."""
+    """Of the difference to paths, by term: what is too much or too little of the picture's light (bias), and the mean of
+    squares relative to each pixel's light (relmse). Paths are traced twice: their difference is their noise, which
+    bias_noise states (one standard deviation), and products of both differences hold none of it."""
     for at_s in options.times.split(","):
         layers = ",".join(options.terms)
         words = ["--frames", round(float(at_s) * 24), *exr_options(options.size, layers), "--resume"]
-        ours, truth = folder / f"{at_s}.exr", folder / f"{at_s}-path.exr"
+        ours, truths = folder / f"{at_s}.exr", [folder / f"{at_s}-path{seed}.exr" for seed in (1, 2)]
         candela(options, "sequence", options.scene, *words, "--quality", options.quality, "-o", ours)
         device, options.device = options.device, None
-        candela(options, "sequence", options.scene, *words, "--technique", "reference", "--mode", "path", "--spp",
-                options.spp, "-o", truth)
+        for seed, truth in enumerate(truths, 1):
+            candela(options, "sequence", options.scene, *words, "--technique", "reference", "--mode", "path", "--spp",
+                    options.spp, "--seed", seed, "-o", truth)
         options.device = device
         a, width, height = read_exr(ours)
-        b, _, _ = read_exr(truth)
+        (b, _, _), (c, _, _) = map(read_exr, truths)
         count = width * height
-        whole = [luminance(b, i) for i in range(count)]
+        whole = [(luminance(b, i) + luminance(c, i)) / 2 for i in range(count)]
         floor = 0.01 * sum(whole) / count
         for layer in ["", *options.terms]:
             first = (layer + "." if layer else "") + "R"
-            if first not in a and first not in b:
+            if not any(first in planes for planes in (a, b, c)):
                 continue
-            difference = [(luminance(a, i, layer) if first in a else 0) - (luminance(b, i, layer) if first in b else 0)
-                          for i in range(count)]
-            light = [luminance(b, i, layer) if first in b else 0 for i in range(count)]
-            # Without the thousandth of the pixels that are off most: fireflies of the paths.
-            squares = sorted(d * d / (w * w + floor * floor) for d, w in zip(difference, whole))
-            row = {"seconds": float(at_s), "term": layer or "beauty", "share_of_light": sum(light) / sum(whole),
-                   "bias": sum(difference) / sum(whole), "relmse": sum(squares[:count - count // 1000]) / count}
+            ours_of, one, two = ([luminance(planes, i, layer) if first in planes else 0 for i in range(count)]
+                                 for planes in (a, b, c))
+            squares = [(x - y) * (x - z) / (w * w + floor * floor) for x, y, z, w in zip(ours_of, one, two, whole)]
+            noise = [((y - z) / 2) ** 2 for y, z in zip(one, two)]
+            # Without the hundredth of the pixels whose two traced values differ most: fireflies.
+            kept = sorted(range(count), key=lambda i: noise[i] / (whole[i] ** 2 + floor * floor))[:count - count // 100]
+            row = {"seconds": float(at_s), "term": layer or "beauty", "share_of_light": (sum(one) + sum(two)) / 2 / sum(whole),
+                   "bias": (sum(ours_of) - (sum(one) + sum(two)) / 2) / sum(whole),
+                   "bias_noise": math.sqrt(sum(noise)) / sum(whole),
+                   "relmse": sum(squares[i] for i in kept) / len(kept)}
             print(json.dumps(row), flush=True)
             yield row
 
@@ -188,7 +194,7 @@ parser.add_argument("--crop", action="append", default=[])
 parser.add_argument("--rate", type=int, default=96, help="frames a second of a crop: 96, a quarter of the film's steps")
 parser.add_argument("--moments", type=int, default=6, help="frames of a crop")
 parser.add_argument("--times", default="2,6,16")
-parser.add_argument("--spp", type=int, default=16)
+parser.add_argument("--spp", type=int, default=16, help="of a truth, which is traced twice")
 parser.add_argument("--terms", type=lambda text: text.split(","), default=TERMS)
 parser.add_argument("--keep", type=pathlib.Path, help="folder for frames; by default one that goes")
 parser.add_argument("--json", type=pathlib.Path)

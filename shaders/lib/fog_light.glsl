@@ -49,6 +49,15 @@ float fog_jitter[FOG_RUN];
 // street of 1,024 lamps, more dulls the glow.
 const float FOG_SPREAD = 1.5;
 
+#if defined(FOG_SUN) && !defined(FOG_JITTER)
+// Points of a slice at which the maps of a sun are asked: along it, and across to beyond a third of the way to the rays
+// beside. The edge of a shadow that runs along rays goes through few slices and many rays: asked at one point of each
+// slice, haze behind roofs at low sun ends in blotches the size of the grid's cells.
+const int FOG_SUN_POINTS = 4;
+const vec3 fog_sun_points[FOG_SUN_POINTS] =
+    vec3[](vec3(-0.125, -0.375, 0.125), vec3(0.125, 0.375, 0.375), vec3(0.375, -0.125, 0.625), vec3(-0.375, 0.125, 0.875));
+#endif
+
 // Integral of a lamp's inverse square over a stretch of a ray, from a to b metres beyond where the ray passes the lamp
 // at distance h, blurred by s < h across the ray: 1/(t^2 + h^2) + 2 s^2/(t^2 + h^2)^2, where h^2 holds s^2. The first
 // term alone would lose 2 pi^2 s of each lamp's light across the rays; the second has just that, within a few s.
@@ -198,6 +207,24 @@ float fog_phase(FogSlice slice, float cosine) { return henyey_greenstein(cosine)
 vec3 fog_metres(FogSlice slice) { return slice.metres; }
 #endif
 
+#ifdef FOG_SUN
+// Of a sun's light, the mean over a slice. at: where the slice's light is taken.
+vec3 fog_sun_over(LightRef light, FogRay ray, FogSlice slice, vec3 at, float cell) {
+#ifdef FOG_JITTER
+  return fog_sun_visibility(light, at);
+#else
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < FOG_SUN_POINTS; ++i) {
+    const float along_m = slice.begin_m + fog_sun_points[i].z * slice.wide_m;
+    const float wide_m = cell * (frame.perspective != 0u ? along_m / ray.along : 1.0);
+    const vec3 across = fog_sun_points[i].x * frame.camera_right + fog_sun_points[i].y * frame.camera_up;
+    sum += fog_sun_visibility(light, ray.origin + ray.direction * along_m + wide_m * across);
+  }
+  return sum / float(FOG_SUN_POINTS);
+#endif
+}
+#endif
+
 // Of a lamp's intensity, what fog scatters into the ray at a point `y` beyond where the ray passes it, but for the
 // inverse square. Exactly 0 outside range and cone. maps: fog_lamp_maps().
 vec3 fog_lamp(FogSlice slice, uint maps, uint type, FogRay ray, float nearest, vec3 off, float y, vec3 shines,
@@ -296,7 +323,7 @@ void fog_run(FogRay ray, float node_m[FOG_RUN + 1], float cell, out vec3 gained[
         vec3 arriving =
             intensity * fog_phase(slices[j], -dot(shines, ray.direction)) * fog_through(at, -shines, FOG_FAR);
 #ifdef FOG_SUN
-        arriving *= fog_sun_visibility(light, at);
+        arriving *= fog_sun_over(light, ray, slices[j], at, cell);
 #endif
         sums[j] += fog_metres(slices[j]) * arriving;
       }

@@ -91,7 +91,7 @@ void make_city(GlbWriter& out, SceneOptions& options) {
   // picture with it.
   constexpr double least_puddle_roughness = 0.3;
   city::Town town{
-      out, Rng(seed), dusk::make_materials(out, seed & 0xffff, least_puddle_roughness), city::Switches(out), {}};
+      out, Rng(seed), dusk::make_materials(out, seed & 0xffff, least_puddle_roughness, true), city::Switches(out), {}};
   add_city_ground(town);
   add_city_houses(town);
   add_city_lamps(town);

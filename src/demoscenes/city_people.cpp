@@ -5,45 +5,14 @@
 #include <span>
 
 #include "demoscenes/city.h"
+#include "demoscenes/city_walks.h"
 #include "testscenes/table.h"
 
-// People who walk along the pavements, some with lanterns. A walker's node moves evenly, and its joints move below it:
-// while a foot is on the ground it goes back evenly by as much, between two keys, so that it stands still in the world
-// at any time. Knees follow from hips and ankles.
+// People who walk along the pavements, some with lanterns.
 namespace candela::city {
 namespace {
 
 using std::numbers::pi;
-
-enum Joint {
-  torso,
-  head,
-  left_thigh,
-  left_shin,
-  left_foot,
-  right_thigh,
-  right_shin,
-  right_foot,
-  left_arm,
-  left_forearm,
-  right_arm,
-  right_forearm,
-  joint_count
-};
-constexpr double thigh_m = 0.44, shin_m = 0.43, ankle_m = 0.08, hip_m = ankle_m + shin_m + thigh_m, hip_x_m = 0.09;
-constexpr double arm_m = 0.28, shoulder_y_m = 1.41, shoulder_x_m = 0.21;
-constexpr std::array<glm::dvec3, joint_count> rest{{{0, hip_m, 0},
-                                                    {0, 1.46, 0},
-                                                    {-hip_x_m, hip_m, 0},
-                                                    {-hip_x_m, hip_m - thigh_m, 0},
-                                                    {-hip_x_m, ankle_m, 0},
-                                                    {hip_x_m, hip_m, 0},
-                                                    {hip_x_m, hip_m - thigh_m, 0},
-                                                    {hip_x_m, ankle_m, 0},
-                                                    {-shoulder_x_m, shoulder_y_m, 0},
-                                                    {-shoulder_x_m, shoulder_y_m - arm_m, 0},
-                                                    {shoulder_x_m, shoulder_y_m, 0},
-                                                    {shoulder_x_m, shoulder_y_m - arm_m, 0}}};
 
 // --- bodies, which face -Z
 
@@ -133,110 +102,6 @@ int make_body(GlbWriter& out, const Materials& m, const Clothes& clothes) {
   return int(out.root["meshes"].size()) - 1;
 }
 
-// --- motion
-
-// How somebody walks: at a speed, in strides of both legs. -Z is ahead. Lengths are of a body of scale 1.
-struct Gait {
-  double speed_m_s, stride_s, phase;
-  bool with_lantern;
-};
-constexpr double flat_share = 0.4, roll_share = 0.2;  // of a stride: the foot flat, and on its toes
-
-// Of a limb: where its upper end is, and its turn about +X from hanging straight down; above 0 it swings ahead.
-struct Limb {
-  glm::dvec3 at;
-  double swing_rad;
-};
-
-// A foot so many strides after it touched the ground, 0 to 1: where its ankle is, below the hips at z = 0.
-Limb foot_at(const Gait& g, double into) {
-  const double stride_m = g.speed_m_s * g.stride_s;
-  const auto flat_z = [&](double t) { return (t - 0.22) * stride_m; };
-  constexpr double ball_z = -0.13, ball_y = 0.015, most_lift = 0.75;
-  // The ball of the foot stays where it is on the ground, and the heel goes up.
-  const auto rolled = [&](double t, double lift) {
-    const double y = ankle_m - ball_y, z = -ball_z, c = std::cos(lift), s = -std::sin(lift);
-    return glm::dvec3(0, ball_y + y * c - z * s, flat_z(t) + ball_z + y * s + z * c);
-  };
-  if (into <= flat_share) return {{0, ankle_m, flat_z(into)}, 0};
-  const double lifted = flat_share + roll_share;
-  if (into <= lifted) {
-    const double lift = most_lift * (into - flat_share) / roll_share;
-    return {rolled(into, lift), -lift};
-  }
-  const double u = (into - lifted) / (1 - lifted), ease = u * u * (3 - 2 * u);
-  const glm::dvec3 from = rolled(lifted, most_lift);
-  const double up = std::sin(pi * u);
-  return {
-      {0, from.y + (ankle_m - from.y) * ease + 0.06 * up * up, from.z + (flat_z(0) - from.z) * (0.4 * u + 0.6 * ease)},
-      -most_lift * (1 - ease) + 0.25 * up * up * u};
-}
-
-double fraction(double x) { return x - std::floor(x); }
-
-// Lowest where both feet are on the ground and legs are farthest apart.
-double hip_height(const Gait& g, double time_s) {
-  const double wave = std::sin(2 * pi * (time_s / g.stride_s + g.phase - 0.05));
-  return 0.893 + 0.033 * wave * wave;
-}
-
-// Thigh and shin of the leg whose foot is there; the knee bends ahead.
-std::array<Limb, 2> leg_to(glm::dvec3 hip, glm::dvec3 ankle) {
-  glm::dvec2 way(ankle.y - hip.y, ankle.z - hip.z);
-  const double distance = std::min(glm::length(way), 0.9995 * (thigh_m + shin_m));
-  way = glm::normalize(way);
-  const double along = (thigh_m * thigh_m - shin_m * shin_m + distance * distance) / (2 * distance);
-  const double ahead = std::sqrt(std::max(thigh_m * thigh_m - along * along, 0.0));
-  const glm::dvec2 knee = along * way + ahead * glm::dvec2(way.y, -way.x), below = distance * way - knee;
-  const auto swing = [](glm::dvec2 d) { return std::atan2(-d.y, -d.x); };
-  return {{{hip, swing(knee)}, {hip + glm::dvec3(0, knee.x, knee.y), swing(below)}}};
-}
-
-std::array<Limb, joint_count> pose_at(const Gait& g, double time_s) {
-  const double cycle = time_s / g.stride_s + g.phase, hip = hip_height(g, time_s), drop = hip - hip_m;
-  std::array<Limb, joint_count> limbs;
-  limbs[torso] = {{0, hip, 0}, -0.05};
-  limbs[head] = {{0, rest[head].y + drop, -0.02}, 0};
-  for (int side = 0; side < 2; ++side) {
-    const double x = side ? hip_x_m : -hip_x_m;
-    Limb foot = foot_at(g, fraction(cycle + 0.5 * side));
-    foot.at.x = x;
-    const auto leg = leg_to({x, hip, 0}, foot.at);
-    limbs[size_t(side ? right_thigh : left_thigh)] = leg[0];
-    limbs[size_t(side ? right_shin : left_shin)] = leg[1];
-    limbs[size_t(side ? right_foot : left_foot)] = foot;
-    // Arms go with the other leg.
-    const bool holds = side && g.with_lantern;
-    const double swing = holds ? 0.25 : -0.42 * std::cos(2 * pi * (cycle + 0.5 * side));
-    const Limb arm{{side ? shoulder_x_m : -shoulder_x_m, shoulder_y_m + drop, -0.03}, swing};
-    limbs[size_t(side ? right_arm : left_arm)] = arm;
-    limbs[size_t(side ? right_forearm : left_forearm)] = {
-        arm.at + arm_m * glm::dvec3(0, -std::cos(swing), -std::sin(swing)), holds ? pi / 2 : swing + 0.3};
-  }
-  return limbs;
-}
-
-// The keys of a joint in all the film: feet have theirs where they touch the ground and leave it.
-std::vector<double> key_times(const Gait& g, size_t joint) {
-  std::vector<double> times{0};
-  const bool is_foot = joint == left_foot || joint == right_foot;
-  if (!is_foot) {
-    for (int k = 1; k <= int(end_s * frames_per_s); ++k) times.push_back(k / frames_per_s);
-    return times;
-  }
-  std::vector<double> parts{0, flat_share};
-  for (int i = 1; i <= 4; ++i) parts.push_back(flat_share + roll_share * i / 4);
-  for (int i = 1; i < 10; ++i) parts.push_back(flat_share + roll_share + (1 - flat_share - roll_share) * i / 10);
-  const double first = g.phase + (joint == right_foot ? 0.5 : 0);
-  for (int stride = 0; stride * g.stride_s < end_s + 2 * g.stride_s; ++stride)
-    for (double part : parts) {
-      const double time = (stride + part - first) * g.stride_s;
-      if (time > times.back() + 1e-4 && time < end_s) times.push_back(time);
-    }
-  times.push_back(end_s);
-  return times;
-}
-
 struct Samplers {
   std::array<int, joint_count> places, turns;
 };
@@ -293,7 +158,7 @@ class People {
     }
   }
 
-  // Straight on along the sides of a block, in the middle of the pavement.
+  // Along the sides of a block, in the middle of the pavement; every third turns at the corner.
   void make() {
     for (int c = 0; c < block_columns; ++c)
       for (int r = 0; r < block_rows; ++r)
@@ -310,36 +175,60 @@ class People {
               return glm::dvec3(frame * glm::dvec4(x, kerb_m, z, 1));
             };
             glm::dvec3 from = anywhere();
-            for (int tries = 0; tries < 20 && !is_clear_of_camera(from, way); ++tries) from = anywhere();
-            if (is_clear_of_camera(from, way)) add(from, way);
+            for (int tries = 0; tries < 20 && !is_clear_of_camera(straight(from, way)); ++tries) from = anywhere();
+            Walk walk = straight(from, way);
+            if (!is_clear_of_camera(walk)) continue;
+            walk.scale = town_.rng.uniform(0.94, 1.06);
+            const auto turn_s = turn_times_s[next_ / 3 % turn_times_s.size()];
+            if (next_ % 3 == 1) {
+              Walk turning = walk;
+              turning.turn = {turn_s * walk.speed_m_s, turn_radius_m / walk.scale, right ? 1.0 : -1.0};
+              // The middle of the pavement of the next side is as far from the block's middle as here.
+              const double x = (right ? 1 : -1) * (z - turn_radius_m - turn_s * walk.speed_m_s * walk.scale);
+              turning.from = glm::dvec3(frame * glm::dvec4(x, kerb_m, z, 1));
+              if (is_clear_of_camera(turning)) walk = turning;
+            }
+            add(walk);
           }
         }
   }
 
  private:
   static constexpr int lantern_groups = 5;
+  static constexpr double turn_radius_m = 2.4;
+  static constexpr std::array turn_times_s{3.1, 9.2, 7.6, 15.4, 4.6, 10.7, 14.2};
 
   size_t next_gait() const { return next_ % gaits_.size(); }
 
+  Walk straight(glm::dvec3 from, glm::dvec3 way) const {
+    return {from, way, gaits_[next_gait()].speed_m_s, 1, {1e6, 1, 1}};
+  }
+
   // Nobody walks into the camera.
-  bool is_clear_of_camera(glm::dvec3 from, glm::dvec3 way) const {
+  static bool is_clear_of_camera(const Walk& walk) {
     for (double t = 0; t <= end_s; t += 0.1) {
-      const glm::dvec3 d = from + way * gaits_[next_gait()].speed_m_s * t - camera_at(t);
+      const glm::dvec3 d = walk.at(t).at - camera_at(t);
       if (glm::length(glm::dvec2(d.x, d.z)) < 1.3 && d.y > -3) return false;
     }
     return true;
   }
 
-  void add(glm::dvec3 from, glm::dvec3 way) {
+  void add(const Walk& walk) {
     GlbWriter& out = town_.out;
     const size_t gait = next_gait(), who = next_++;
     const Gait& g = gaits_[gait];
-    const double scale = town_.rng.uniform(0.94, 1.06);
-    const int walker =
-        out.node("walker", {{"translation", vector_json(from)},
-                            {"rotation", quaternion_json(rotation_about({0, 1, 0}, std::atan2(-way.x, -way.z)))},
-                            {"scale", vector_json(glm::dvec3(scale))}});
-    animate_places(out, walker, std::array{0.0, end_s}, std::array{from, from + way * g.speed_m_s * scale * end_s});
+    const bool turns = walk.turn.after_m < g.speed_m_s * end_s;
+    const int walker = out.node("walker", {{"translation", vector_json(walk.from)},
+                                           {"rotation", quaternion_json(Place::turned(walk.at(0).turn_rad))},
+                                           {"scale", vector_json(glm::dvec3(walk.scale))}});
+    std::vector<double> times{0.0, end_s};
+    if (turns) times = turn_times(g, walk.turn, times);
+    std::vector<glm::dvec3> places;
+    std::vector<glm::dquat> heads;
+    for (double t : times) places.push_back(walk.at(t).at), heads.push_back(Place::turned(walk.at(t).turn_rad));
+    animate_places(out, walker, times, places);
+    if (turns) animate_turns(out, walker, times, heads);
+    const Samplers samplers = turns ? turning_samplers(gait, walk.turn) : samplers_[gait];
     static constexpr std::array<const char*, joint_count> names{
         "torso",      "head",       "left thigh", "left shin",    "left foot", "right thigh",
         "right shin", "right foot", "left arm",   "left forearm", "right arm", "right forearm"};
@@ -347,8 +236,8 @@ class People {
     for (size_t j = 0; j < joint_count; ++j) {
       const int joint = out.child(walker, names[j], {{"translation", vector_json(rest[j])}});
       joints.push_back(joint);
-      play(out, samplers_[gait].places[j], joint, "translation");
-      play(out, samplers_[gait].turns[j], joint, "rotation");
+      play(out, samplers.places[j], joint, "translation");
+      play(out, samplers.turns[j], joint, "rotation");
     }
     const int skin = int(out.root.value("skins", json::array()).size());
     out.root["skins"].push_back({{"joints", joints}, {"inverseBindMatrices", inverse_bind_}});
@@ -364,6 +253,27 @@ class People {
     light.add({0, -0.2, 0}, {1, 0.6, 0.28}, 4, 6, {0, 1, 0});
     light.aim({0, -1, 0.4});
     out.child(hand, "lantern light", {{"extensions", light.extension(out, lamps_[group])}});
+  }
+
+  // Legs and feet of its own, the rest as of its gait.
+  Samplers turning_samplers(size_t gait, const Turn& turn) {
+    const Gait& g = gaits_[gait];
+    Samplers made = samplers_[gait];
+    for (size_t j = left_thigh; j <= right_foot; ++j) {
+      const std::vector<double> times = turn_times(g, turn, key_times(g, j),
+                                                   j == left_foot    ? g.phase
+                                                   : j == right_foot ? g.phase + 0.5
+                                                                     : -1);
+      std::vector<double> places, turns;
+      for (double t : times) {
+        const Joints joints = legs_at(g, turn, t);
+        push(places, joints.at[j]);
+        push(turns, joints.turn[j]);
+      }
+      made.places[j] = add_sampler(town_.out, times, places, 3);
+      made.turns[j] = add_sampler(town_.out, times, turns, 4);
+    }
+    return made;
   }
 
   Town& town_;

@@ -152,7 +152,7 @@ void add_blob(Town& town) {
     }
     balls.push_back({{"node", ball}, {"radius", number(radius[b])}});
   }
-  // It glows by itself, the more the more curious it is.
+  // It glows by itself, the more the more curious it is, and less in the beam, whose light would not show its shape.
   json skin = pbr({0.15, 0.62, 0.43, 1}, 0, 0.2);
   skin["emissiveFactor"] = vector_json({0.006, 0.1, 0.066});
   const int material = out.material("blob", skin);
@@ -165,7 +165,8 @@ void add_blob(Town& town) {
     const double curious = 0.5 + 0.5 * ease(7.5, 9, t) * (1 - 0.6 * ease(10.4, 11.4, t)) + 0.5 * ease(14.8, 16, t);
     const double dark = ease(4.5, 7.2, t);
     glow_times.push_back(t);
-    push(glow, glm::dvec3(0.006, 0.1, 0.066) * (0.12 + 0.88 * dark) * pulse * curious);
+    const double in_beam = ease(beam_from_s - 0.4, beam_full_s, t);
+    push(glow, glm::dvec3(0.006, 0.1, 0.066) * (0.12 + 0.88 * dark) * pulse * curious * (1 - 0.85 * in_beam));
     candela.push_back(26 * dark * pulse * curious * (1 - ease(lift_to_s - 0.8, lift_to_s, t)));
   }
   out.animate_pointer(fmt::format("/materials/{}/emissiveFactor", material), "LINEAR", glow_times, glow, 3);
@@ -279,14 +280,26 @@ void add_saucer(Town& town) {
   out.child(hull, "hull lamps",
             {{"extensions", under.extension(out, spot(town.switches, "hull lamp", 5, 0.5, 1.1, appear_s - 1))}});
 
+  // What lights the body from the sides in the beam, warm and cold, so that it looks round.
+  LightArrays inner;
+  for (int i = 0; i < 6; ++i) {
+    const double a = 2 * pi * i / 6;
+    const glm::dvec3 color = i < 3 ? glm::dvec3(1, 0.62, 0.3) : glm::dvec3(0.35, 0.7, 1);
+    inner.add({3 * std::cos(a), -0.95, 3 * std::sin(a)}, color, 220, 14, {0, 1, 0});
+    inner.aim({-3 * std::cos(a), -3.6, -3 * std::sin(a)});
+  }
+  out.child(hull, "inner lamps",
+            {{"extensions", inner.extension(out, spot(town.switches, "inner lamp", 14, 0.2, 0.5, beam_full_s))}});
+
   // The beam: a searchlight while it flies, then full.
   const int beam = out.light({{"name", "beam"},
                               {"type", "spot"},
                               {"color", vector_json({0.55, 0.95, 1})},
                               {"range", 46},
                               {"spot", {{"innerConeAngle", 0.13}, {"outerConeAngle", 0.2}}}});
-  const std::array on{0.0, 13.0, 13.3, beam_from_s, beam_full_s, beam_to_s, 18.45, beam_off_s};
-  const std::array candela{0.0, 0.0, 4000.0, 5000.0, 12000.0, 12000.0, 1500.0, 0.0};
+  // Less as the body comes near, which would be white all over.
+  const std::array on{0.0, 13.0, 13.3, beam_from_s, beam_full_s, lift_from_s, 17.0, beam_to_s, 18.45, beam_off_s};
+  const std::array candela{0.0, 0.0, 4000.0, 4000.0, 4500.0, 4500.0, 2600.0, 2600.0, 800.0, 0.0};
   out.animate_pointer(fmt::format("/extensions/KHR_lights_punctual/lights/{}/intensity", beam), "LINEAR", on, candela,
                       1);
   LightArrays one;

@@ -17,7 +17,7 @@ struct Materials {
   int rooms, shops, lying_signs, standing_signs, glows;
 };
 // No puddle is smoother than that.
-Materials make_materials(GlbWriter& out, uint64_t seed, double least_puddle_roughness = 0);
+Materials make_materials(GlbWriter& out, uint64_t seed, double least_puddle_roughness = 0, bool near_shops = false);
 
 // A rectangle that glows in one flat colour.
 void glow_quad(MeshKit& kit, const Materials& m, glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v, Glow glow);

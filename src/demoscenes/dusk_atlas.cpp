@@ -84,17 +84,18 @@ glm::dvec3 room_color(uint64_t seed, int index, double s, double t) {
   return c * r.bright;
 }
 
+constexpr std::array<glm::dvec3, 8> shop_lights{{{1, 0.78, 0.5},
+                                                 {1, 0.66, 0.34},
+                                                 {0.8, 0.92, 1},
+                                                 {1, 0.84, 0.62},
+                                                 {1, 0.58, 0.3},
+                                                 {0.95, 0.95, 0.9},
+                                                 {1, 0.7, 0.45},
+                                                 {1, 0.55, 0.6}}};
+
 glm::dvec3 shop_color(uint64_t seed, int index, double s, double t) {
-  static constexpr std::array<glm::dvec3, 8> lights{{{1, 0.78, 0.5},
-                                                     {1, 0.66, 0.34},
-                                                     {0.8, 0.92, 1},
-                                                     {1, 0.84, 0.62},
-                                                     {1, 0.58, 0.3},
-                                                     {0.95, 0.95, 0.9},
-                                                     {1, 0.7, 0.45},
-                                                     {1, 0.55, 0.6}}};
   Rng rng = rng_of(seed, 500 + index);
-  const glm::dvec3 light = lights[size_t(index) % lights.size()];
+  const glm::dvec3 light = shop_lights[size_t(index) % shop_lights.size()];
   const double shelves = 3 + double(rng.next() % 3), items = 12 + double(rng.next() % 9), phase = rng.uniform();
   // Back wall between a bright ceiling and a floor; side walls draw in.
   glm::dvec3 c = light * blend(0.5, 0.16, t);
@@ -119,6 +120,66 @@ glm::dvec3 shop_color(uint64_t seed, int index, double s, double t) {
   // Lamps that hang low.
   const double hang = std::fmod(s * 3 + 0.3 * phase, 1.0) - 0.5;
   c += light * 1.8 * bump(std::hypot(hang * 0.6, (t - 0.34) * 1.0), 0.05);
+  return c * 0.8;
+}
+
+// What stands on shelves, seen from near: runs of the same bottles, jars, boxes or books, in a few colours a shop. x
+// and y in shelves and items, y upwards from a shelf.
+glm::dvec3 goods_color(uint64_t seed, int index, double x, double y) {
+  const double row = std::floor(y), up = y - row;
+  int begin = 0, end = 0, run = 0;  // of this shelf
+  for (; end <= int(x); ++run) {
+    Rng lengths = rng_of(seed + 5, index * 4096 + int(row) * 64 + run);
+    begin = end, end += 3 + int(lengths.next() % 4);
+  }
+  Rng good = rng_of(seed + 7, index * 4096 + int(row) * 64 + run),
+      item = rng_of(seed + 9, index * 4096 + int(row) * 64 + int(x)), shop = rng_of(seed + 11, index);
+  const double hue = shop.uniform(), other = good.uniform() < 0.7 ? good.uniform(-0.06, 0.06) : good.uniform(0.2, 0.5);
+  const auto wave = [&](double at) { return 0.5 + 0.5 * std::cos(6.28318530718 * (hue + other + at)); };
+  const glm::dvec3 strong(wave(0), wave(0.67), wave(0.33));
+  const int shape = int(good.next() % 4);
+  const double tall = good.uniform(0.5, 0.78) * (shape == 3 ? item.uniform(0.8, 1) : 1);
+  glm::dvec3 tint = blend(glm::dvec3(0.62, 0.52, 0.4), strong, good.uniform(0.25, 0.6)) * item.uniform(0.85, 1.1);
+  if (shape == 3)
+    tint *= blend(glm::dvec3(1), glm::dvec3(item.uniform(0.4, 1), item.uniform(0.4, 1), item.uniform(0.4, 1)), 0.6);
+  const double across = std::abs(x - std::floor(x) - 0.5), v = up / tall;
+  constexpr double none = -1;
+  if (v > 1 || (shape != 3 && int(x) + 1 == end)) return glm::dvec3(none);  // a gap after each run
+  double half = 0.42, shade = 1;
+  if (shape == 0) half = v < 0.55 ? 0.3 : v < 0.72 ? blend(0.3, 0.1, (v - 0.55) / 0.17) : 0.1;
+  if (shape == 1) half = 0.38 * std::sqrt(std::max(1 - 0.8 * std::pow(2 * v - 1, 4.0), 0.0));
+  if (shape == 3) half = 0.47;
+  if (across > half) return glm::dvec3(none);
+  if (shape < 2) shade = 1 - 0.65 * across * across / (half * half);
+  const bool label = shape != 3 && v > 0.2 && v < 0.45;
+  if (label) tint = blend(tint, glm::dvec3(0.9, 0.85, 0.75), 0.6);
+  if (shape == 3 && (across > 0.42 || (v > 0.75 && v < 0.8))) shade = 0.45;
+  return tint * shade;
+}
+
+// As shop_color, for windows that the camera comes near to.
+glm::dvec3 near_shop_color(uint64_t seed, int index, double s, double t) {
+  Rng rng = rng_of(seed, 500 + index);
+  const double shelves = 3 + double(rng.next() % 3), items = 16 + double(rng.next() % 9), phase = rng.uniform();
+  const glm::dvec3 light = shop_lights[size_t(index) % shop_lights.size()];
+  glm::dvec3 c = light * blend(0.42, 0.14, t);
+  const double left = 0.07, top = 0.24, bottom = 0.8;
+  if (t > top && t < bottom && s > left && s < 1 - left) {
+    // Each shelf is lit from the one above it.
+    const double y = (bottom - t) / (bottom - top) * shelves, up = y - std::floor(y), lit = blend(0.55, 1.25, up);
+    const glm::dvec3 thing = goods_color(seed, index, (s - left) / (1 - 2 * left) * items, y);
+    c = up < 0.06      ? light * 0.3
+        : up > 0.95    ? light * 0.07
+        : thing.x >= 0 ? light * thing * 0.5 * lit
+                       : light * 0.15 * lit;
+    const double post = std::abs(std::fmod((s - left) / (1 - 2 * left) * 3 + 0.5, 1.0) - 0.5);
+    if (post < 0.02) c = light * 0.1;
+  }
+  if (t <= top) {
+    const double lamp = std::fmod(s * 6 + phase, 1.0) - 0.5;
+    c += light * 1.6 * bump(std::hypot(lamp * 0.5, (t - 0.12) * 1.2), 0.05);
+  }
+  if (t > bottom) c = light * (t < 0.82 ? 0.4 : 0.12 * blend(1.3, 0.6, (t - bottom) / (1 - bottom)));  // a counter
   return c * 0.8;
 }
 
@@ -311,6 +372,10 @@ Atlas make_rooms(uint64_t seed) {
 Atlas make_shops(uint64_t seed) {
   return atlas_of(shop_columns, shop_rows, 160, 112,
                   [seed](int index, double s, double t) { return shop_color(seed, index, s, t); });
+}
+Atlas make_near_shops(uint64_t seed) {
+  return atlas_of(shop_columns, shop_rows, 384, 256,
+                  [seed](int index, double s, double t) { return near_shop_color(seed, index, s, t); });
 }
 Atlas make_lying_signs() { return atlas_of(2, lying_signs / 2, 320, 80, lying_sign); }
 Atlas make_standing_signs() { return atlas_of(standing_signs, 1, 64, 256, standing_sign); }

@@ -23,6 +23,7 @@ constexpr int room_columns = 8, room_rows = 8, dark_rooms = 14;  // the first on
 Atlas make_rooms(uint64_t seed);
 constexpr int shop_columns = 4, shop_rows = 2;
 Atlas make_shops(uint64_t seed);
+Atlas make_near_shops(uint64_t seed);  // of goods that bear a look from a few metres
 
 // Signs that lie, four times as wide as high, and signs that stand, four times as high as wide.
 constexpr int lying_signs = 8, standing_signs = 8;

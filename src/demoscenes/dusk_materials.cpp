@@ -56,7 +56,7 @@ class Maker {
 
 }  // namespace
 
-Materials make_materials(GlbWriter& out, uint64_t seed, double least_puddle_roughness) {
+Materials make_materials(GlbWriter& out, uint64_t seed, double least_puddle_roughness, bool near_shops) {
   Maker make(out, seed);
   Materials m;
   {
@@ -91,7 +91,7 @@ Materials make_materials(GlbWriter& out, uint64_t seed, double least_puddle_roug
   leaf["doubleSided"] = true;
   m.leaf = {out.material("leaf", leaf)};
   m.rooms = make.glowing("rooms", make_rooms(seed), 3.4, 0.12);
-  m.shops = make.glowing("shops", make_shops(seed), 2.2, 0.1);
+  m.shops = make.glowing("shops", near_shops ? make_near_shops(seed) : make_shops(seed), 2.2, 0.1);
   m.lying_signs = make.glowing("lying signs", make_lying_signs(), 7, 0.35);
   m.standing_signs = make.glowing("standing signs", make_standing_signs(), 7, 0.35);
   m.glows = make.glowing("glow", make_glows(), 24, 0.3, {{"magFilter", nearest}, {"minFilter", nearest}});

@@ -132,6 +132,36 @@ TEST(City, FeetOnTheGroundStandStill) {
   EXPECT_LT(farthest, 1e-3);
 }
 
+// They turn by a right angle, evenly, and stay on the pavement of their block.
+TEST(City, SomeWalkersTurnAtTheCorner) {
+  constexpr double step_s = 0.25, most_a_step_rad = 0.25;
+  size_t turned = 0, straight = 0;
+  for (size_t walker : nodes_named("walker")) {
+    const glm::dvec3 first(pose_at(0).world_from_node[walker][2]), last(pose_at(20).world_from_node[walker][2]);
+    const double cosine = glm::dot(glm::normalize(first), glm::normalize(last));
+    if (cosine > 0.999) {
+      ++straight;
+      continue;
+    }
+    EXPECT_NEAR(cosine, 0, 0.01) << walker;
+    ++turned;
+    glm::dvec3 before = glm::normalize(first);
+    for (double t = 0; t <= 20; t += step_s) {
+      const glm::dmat4 world = pose_at(t).world_from_node[walker];
+      const glm::dvec3 now = glm::normalize(glm::dvec3(world[2]));
+      EXPECT_GT(glm::dot(before, now), std::cos(most_a_step_rad)) << walker << " " << t;
+      before = now;
+      // Blocks are 64 m apart, their pavements end 26.5 m from their middles, and houses 22 m.
+      const glm::dvec2 from_middle =
+          glm::abs(glm::dvec2(std::remainder(world[3].x - 32, 64), std::remainder(world[3].z - 32, 64)));
+      EXPECT_LT(std::max(from_middle.x, from_middle.y), 26.5) << walker << " " << t;
+      EXPECT_GT(std::max(from_middle.x, from_middle.y), 22.3) << walker << " " << t;
+    }
+  }
+  EXPECT_GE(turned, 5u);
+  EXPECT_GT(straight, turned);
+}
+
 TEST(City, LegsHoldTogether) {
   for (const char* side : {"left", "right"}) {
     const std::vector<size_t> shins = nodes_named(std::string(side) + " shin"),

@@ -112,13 +112,16 @@ Expected<AskedFrame> ask_frame(const Job& job, const PlanContext& context, const
   if (!knobs) return std::unexpected(knobs.error());
   asked.knobs = std::move(*knobs);
   if (int& method = asked.knobs.get<OcclusionKnobs>().method; method == OcclusionKnobs::automatic) {
-    const ChosenOcclusion chosen = choose_occlusion(context.scene, asked.job.animation);
+    const ChosenOcclusion chosen =
+        context.occlusion ? *context.occlusion : choose_occlusion(context.scene, asked.job.animation);
     method = chosen.method;
     asked.occlusion_note = fmt::format("occlusion.method auto: {}, because {}",
                                        method == OcclusionKnobs::by_rays ? "rays" : "screen", chosen.why);
   }
   asked.technique = &*std::ranges::find(techniques(), asked.job.technique, &Technique::name);
-  auto look = context.look ? context.look->at(time_s) : look_of(asked.job, time_s);
+  auto look = context.look_now ? Expected<Look>(*context.look_now)
+              : context.look   ? context.look->at(time_s)
+                               : look_of(asked.job, time_s);
   if (!look) return std::unexpected(look.error());
   if (context.face) look = seen_by_probe(std::move(*look));
   expose_by_camera(asked.job, *look);

@@ -40,9 +40,11 @@ FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedO
   // An image of the frame is of the frame as it would be without the view.
   if (!image_of_view(job.view)) request.view = job.view;
   request.view_is_light = layer_form(request.view) == LayerForm::light;
+  std::vector<std::string> groups = light_group_layers(job);
+  if (wanted.linear) request.layers.insert(request.layers.end(), groups.begin(), groups.end());
   request.view_alone = wanted.display && request.view != "beauty" && !request.has_layer(request.view);
-  if (wanted.linear) request.light_groups = light_group_layers(job);
-  request.layers.insert(request.layers.end(), request.light_groups.begin(), request.light_groups.end());
+  if (wanted.linear || (wanted.display && std::ranges::find(groups, request.view) != groups.end()))
+    request.light_groups = std::move(groups);
   if (request.view_alone) request.layers.push_back(request.view);
   request.technique = job.technique;
   request.open_sides = job.sides == "open";

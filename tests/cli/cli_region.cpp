@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "base/files.h"
 #include "image/io.h"
 #include "program.h"
 

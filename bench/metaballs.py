@@ -5,9 +5,10 @@
 
 Two scenes: that of `make-scene metaballs` at 1 s, six balls in cells of 0.05 m; and a pair of bodies, one of 48 small
 balls in a shell, one of 16 larger ones in a row, in cells of 0.02 m and 0.05 m. By `metaballs.cell`, in units of what
-the scene says: the root mean square by which the layer `depth` is off `candela reference`, over pixels both show whose
-neighbours lie within 0.1 m; and the times of the pass and of the frame on the device, the median, least and largest
-of runs that take turns.
+the scene says: the root mean squares by which the layers `depth` and `normal` are off `candela reference`, over pixels
+both show whose neighbours lie within 0.1 m; relMSE of the picture without shadows, of 2 x 2 samples at the same places;
+and the times of the pass and of the frame on the device, the median, least and largest of runs that take turns.
+Without runs (0) the times of a FILE that is there stay.
 """
 import argparse
 import json
@@ -19,7 +20,7 @@ import struct
 import subprocess
 import tempfile
 
-from relief import read_depth
+from float_exr import read_exr
 
 CELLS = ("2", "1", "0.5", "0.25")
 
@@ -57,14 +58,23 @@ def write_pair(path):
     pathlib.Path(path).write_bytes(struct.pack("<4sIIII", b"glTF", 2, 20 + len(text), len(text), 0x4e4f534a) + text)
 
 
-def depth_rms(depth, truth, width):
-    squares = pixels = 0
-    for i in range(width + 1, len(truth) - width - 1):
+def surface_rms(planes, truth, width):
+    """Of depth and normals, and over how many pixels."""
+    depth, true_depth = planes["depth.Z"], truth["depth.Z"]
+    normals = [(planes[f"normal.{c}"], truth[f"normal.{c}"]) for c in "XYZ"]
+    of_depth = of_normals = pixels = 0
+    for i in range(width + 1, len(depth) - width - 1):
         around = [i, i - 1, i + 1, i - width, i + width]
-        if all(truth[k] < 1e9 and depth[k] < 1e9 and abs(truth[k] - truth[i]) < 0.1 for k in around):
+        if all(true_depth[k] < 1e9 and depth[k] < 1e9 and abs(true_depth[k] - true_depth[i]) < 0.1 for k in around):
             pixels += 1
-            squares += (depth[i] - truth[i]) ** 2
-    return math.sqrt(squares / max(pixels, 1)), pixels
+            of_depth += (depth[i] - true_depth[i]) ** 2
+            of_normals += sum((a[i] - b[i]) ** 2 for a, b in normals)
+    return math.sqrt(of_depth / max(pixels, 1)), math.sqrt(of_normals / max(pixels, 1)), pixels
+
+
+def relmse(planes, truth):
+    terms = [(a - b) ** 2 / (b * b + 0.01) for c in "RGB" for a, b in zip(planes[c], truth[c])]
+    return sum(terms) / len(terms)
 
 
 def main():
@@ -75,7 +85,10 @@ def main():
     parser.add_argument("--runs", type=int, default=7)
     options = parser.parse_args()
     width = int(options.size.split("x")[0])
-    scenes, device = [], None
+    kept = {}
+    if not options.runs and pathlib.Path(options.json).exists():
+        kept = json.loads(pathlib.Path(options.json).read_text())
+    scenes, device = [], kept.get("device")
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         subprocess.run([options.program, "make-scene", "metaballs", "-o", folder / "metaballs.glb"], check=True,
@@ -86,14 +99,25 @@ def main():
             def run(command, out, *more):
                 subprocess.run([options.program, command, folder / f"{name}.glb", "--time", "1", "--size", options.size,
                                 *eye, "-o", folder / out, *more], check=True, capture_output=True)
-            layers = ["--layers", "depth", "--exr-type", "float", "--exr-compression", "none"]
-            run("reference", "truth.exr", "--spp", "1", *layers)
-            truth = read_depth(folder / "truth.exr")
+
+            plain = ["--layers", "depth,normal", "--exr-type", "float", "--exr-compression", "none"]
+
+            def traced(*more):
+                run("reference", "truth.exr", *plain, *more)
+                return read_exr(folder / "truth.exr")[0]
+
+            def drawn(cell, *more):
+                run("render", "drawn.exr", "--set", f"metaballs.cell={cell}", "--effects", "none", *plain, *more)
+                return read_exr(folder / "drawn.exr")[0]
+
+            truth = traced("--spp", "1")
+            picture = traced("--sampler", "uniform", "--spp", "4", "--visibility", "off", "--ambient", "occlusion")
             rows = {}
             for cell in CELLS:
-                run("render", "depth.exr", "--set", f"metaballs.cell={cell}", "--effects", "none", *layers)
-                rms, pixels = depth_rms(read_depth(folder / "depth.exr"), truth, width)
-                rows[cell] = {"cell": float(cell), "depth_rms_m": rms, "pixels": pixels, "pass": [], "frame": []}
+                of_depth, of_normals, pixels = surface_rms(drawn(cell), truth, width)
+                lit = drawn(cell, "--set", "supersample.n=2", "--set", "lights.floor_lux=0")
+                rows[cell] = {"cell": float(cell), "depth_rms_m": of_depth, "normal_rms": of_normals, "pixels": pixels,
+                              "relmse": relmse(lit, picture), "pass": [], "frame": []}
             for _ in range(options.runs):
                 for cell in CELLS:
                     timings = folder / "timings.json"
@@ -104,10 +128,14 @@ def main():
                     device = told["device"]
                     rows[cell]["pass"].append(told["gpu_ms"]["metaballs"])
                     rows[cell]["frame"].append(told["gpu_frame_ms"])
+            before = next((s["rows"] for s in kept.get("scenes", []) if s["scene"] == name), [])
             for row in rows.values():
                 for part in ("pass", "frame"):
                     times = row.pop(part)
-                    row[f"{part}_ms"] = [round(t, 2) for t in (statistics.median(times), min(times), max(times))]
+                    if times:
+                        row[f"{part}_ms"] = [round(t, 2) for t in (statistics.median(times), min(times), max(times))]
+                    else:
+                        row.update({f"{part}_ms": r[f"{part}_ms"] for r in before if r["cell"] == row["cell"]})
                 print(name, row)
             scenes.append({"scene": name, "rows": list(rows.values())})
     version = subprocess.run([options.program, "--version"], capture_output=True, text=True).stdout.strip()

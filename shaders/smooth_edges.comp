@@ -1,6 +1,6 @@
 #version 460
 // Morphological anti-aliasing in three steps (src/passes/post/smooth_edges.h): edges, parts of pixels beside them that
-// lie on the other side of the line they stand for, mixture.
+// lie on the other side of the line they stand for, mixture. Or by contrast in one.
 #include "shared/smooth_edges.h"
 layout(push_constant, scalar) uniform Push { SmoothEdgesPush pc; };
 #include "lib/bindless.glsl"
@@ -74,12 +74,59 @@ vec2 parts_of(ivec2 p, ivec2 along, ivec2 across, int c, int o) {
   return areas(height(from, len, h), 0.0) * (middle - from) + areas(0.0, height(to, len, h)) * (to - middle);
 }
 
+// What covers a pixel counts too: an edge against nothing is one.
+float brightness(ivec2 p) {
+  const vec2 s = shown(p);
+  return s.x + s.y;
+}
+// How far from p along a way the mean of both sides of its edge is no longer that of its own, and by what it differs.
+vec2 end_of_edge(ivec2 p, ivec2 along, ivec2 across, float mean, float least) {
+  int k = 0;
+  float off = 0.0;
+  do {
+    ++k;
+    off = 0.5 * (brightness(p + k * along) + brightness(p + k * along + across)) - mean;
+  } while (k < int(pc.reach_px) && abs(off) < least);
+  return vec2(float(k), off);
+}
+const float LONE_FROM = 0.25, LONE_MOST = 0.75;  // of what stands alone, as a part of its contrast
+vec4 by_contrast(ivec2 p) {
+  const ivec2 x = ivec2(1, 0), y = ivec2(0, 1);
+  const vec4 own = color_at(p);
+  const float m = brightness(p), n = brightness(p - y), s = brightness(p + y), w = brightness(p - x),
+              e = brightness(p + x);
+  const float range = max(m, max(max(n, s), max(w, e))) - min(m, min(min(n, s), min(w, e)));
+  if (range < pc.threshold) return own;
+  const float nw = brightness(p - x - y), ne = brightness(p + x - y), sw = brightness(p - x + y),
+              se = brightness(p + x + y);
+  const float lone = abs(0.25 * (n + s + w + e) - m) / range;
+  const float mixed = min(max(lone - LONE_FROM, 0.0) / (1.0 - LONE_FROM), LONE_MOST);
+  const float vertical = abs(nw - 2.0 * n + ne) + 2.0 * abs(w - 2.0 * m + e) + abs(sw - 2.0 * s + se);
+  const float horizontal = abs(nw - 2.0 * w + sw) + 2.0 * abs(n - 2.0 * m + s) + abs(ne - 2.0 * e + se);
+  const bool lies = horizontal >= vertical;
+  const float before = lies ? n : w, behind = lies ? s : e;
+  const bool back = abs(before - m) >= abs(behind - m);
+  const ivec2 along = lies ? x : y, across = (lies ? y : x) * (back ? -1 : 1);
+  const float other = back ? before : behind, mean = 0.5 * (m + other), least = 0.25 * abs(other - m);
+  const vec2 a = end_of_edge(p, -along, across, mean, least), b = end_of_edge(p, along, across, mean, least);
+  const float nearer = a.x < b.x ? a.y : b.y;
+  // Beyond the nearer end the line lies on the other side: this pixel is not one that it covers.
+  const float moved = (m < mean) != (nearer < 0.0) ? 0.5 - min(a.x, b.x) / (a.x + b.x) : 0.0;
+  precise vec4 sum = vec4(0.0);
+  for (int i = 0; i < 9; ++i) sum += color_at(p + ivec2(i % 3 - 1, i / 3 - 1));
+  precise vec4 color = mix(own, color_at(p + across), moved);
+  color += (sum / 9.0 - color) * mixed;
+  return color;
+}
+
 void main() {
   const uvec2 at = gl_GlobalInvocationID.xy;
   if (any(greaterThanEqual(at, pc.size_px))) return;
   const ivec2 p = ivec2(at), x = ivec2(1, 0), y = ivec2(0, 1);
   vec4 result;
-  if (STEP == 0) {
+  if (STEP == 3) {
+    result = by_contrast(p);
+  } else if (STEP == 0) {
     result = vec4(edges_of(p) * vec2(p.x > 0, p.y > 0), 0.0, 0.0);
   } else if (STEP == 1) {
     const vec2 e = edge(p);

@@ -144,7 +144,7 @@ void add_job_options(CLI::App& command, JobOptions& o, Renderer renderer) {
       ->type_name("DEGREES");
   command.add_flag(
       "--fit", o.fit,
-      "Move the camera, in the direction that it looks, until what is drawn fills the picture; once for a whole film");
+      "Move the camera until what is drawn fills the picture; it keeps its direction, and one place for a whole film");
   command.add_flag("--follow", o.follow,
                    "Place the automatic camera anew for each frame, so that it follows what moves");
   command

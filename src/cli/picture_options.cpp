@@ -8,7 +8,8 @@ namespace {
 void add_layer_options(CLI::App& command, JobOptions& o) {
   command
       .add_option("--view", o.view,
-                  "What PNG and video show: beauty, any layer, or debug.PASS.IMAGE[mip,layer], an image of the frame")
+                  "What PNG and video show: beauty, any layer (light_NAME of --light-groups, too), or "
+                  "debug.PASS.IMAGE[mip,layer], an image of the frame")
       ->capture_default_str()
       ->type_name("NAME");
   command

@@ -49,7 +49,7 @@ Expected<void> read_outputs(const ReferenceOptions& o, ReferencePlan& plan) {
     plan.layers = split(o.layers, ',');
   if (auto good = check_traced_layers(plan.layers); !good) return good;
   if (auto good = check_compression(plan.layers, plan.job.exr_compression); !good) return good;
-  if (auto good = check_traced_view(o.view); !good) return good;
+  if (auto good = check_traced_view(o.view, plan.job); !good) return good;
   auto paths = output_paths(o.outputs, plan.moment.frame.value_or(0));
   if (!paths) return std::unexpected(paths.error());
   plan.paths = std::move(*paths);

@@ -246,8 +246,9 @@ void add_sequence(CLI::App& app, Action& action) {
   auto o = std::make_shared<SequenceOptions>();
   CLI::App* command = app.add_subcommand("sequence", "Render a list of frames to files or a video");
   add_film_options(*command, *o);
-  command->add_flag("--resume", o->resume,
-                    "Skip frames whose files, or those kept beside --video, are complete and belong to this job");
+  command->add_flag(
+      "--resume", o->resume,
+      "Skip frames whose files are complete and belong to this job; with --video those kept beside the film");
   command->add_option("--shard", o->shard, "Render share I of N of the list: every N-th frame, beginning with the I-th")
       ->capture_default_str()
       ->type_name("I/N");

@@ -83,12 +83,18 @@ class Texture {  // sampled image, device memory
 // the same queue sees them.
 class Uploader {
  public:
-  explicit Uploader(Device& device);
+  static constexpr uint64_t usual_staging_bytes = 16 << 20;
+  explicit Uploader(Device& device, uint64_t staging_bytes = usual_staging_bytes);
   ~Uploader();  // waits for what was submitted
   void to_buffer(Buffer& target, uint64_t offset, std::span<const std::byte> bytes);
   void to_texture(Texture& target, const TextureData& data);  // ends in SHADER_READ_ONLY_OPTIMAL
-  void submit();                                              // without waiting; nothing may be added after it
-  void flush();                                               // and waits
+  // Likewise, where the caller writes the levels, tightly packed one behind the other, before submit(): slow to read.
+  // They fit into the staging memory.
+  std::span<std::byte> texture_room(Texture& target, VkFormat format, uint32_t width, uint32_t height, uint32_t levels,
+                                    uint32_t texel_bytes);
+  void submit();   // without waiting; nothing may be added after it but by restart()
+  void restart();  // waits for what was submitted; more may be added
+  void flush();    // and waits
 
  private:
   struct Hidden;

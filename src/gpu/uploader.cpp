@@ -7,8 +7,6 @@ namespace candela::gpu {
 
 namespace {
 
-constexpr uint64_t staging_bytes = 16 << 20;
-
 // Height of a block of texels: 4 for the block-compressed formats, which are the ones between BC1 and ASTC in the enum.
 uint32_t block_height(VkFormat format) {
   return format >= VK_FORMAT_BC1_RGB_UNORM_BLOCK && format <= VK_FORMAT_EAC_R11G11_SNORM_BLOCK ? 4 : 1;
@@ -36,6 +34,7 @@ void texture_barrier(VkCommandBuffer commands, VkImage image, VkImageLayout from
 
 struct Uploader::Hidden {
   Device& device;
+  const uint64_t staging_bytes;
   Buffer staging;
   uint64_t used = 0;
   VkCommandPool pool = VK_NULL_HANDLE;
@@ -43,8 +42,9 @@ struct Uploader::Hidden {
   VkFence fence = VK_NULL_HANDLE;
   bool recording = false, submitted = false;
 
-  explicit Hidden(Device& d)
+  Hidden(Device& d, uint64_t bytes)
       : device(d),
+        staging_bytes(bytes),
         staging(d, staging_bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, Buffer::Memory::upload, Device::Purpose::staging,
                 "upload staging") {
     VkCommandPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
@@ -98,6 +98,10 @@ struct Uploader::Hidden {
 
   void submit_and_wait() {
     submit();
+    wait();
+  }
+
+  void wait() {
     if (!submitted) return;
     VK_CHECK(vkWaitForFences(device.handle(), 1, &fence, VK_TRUE, UINT64_MAX));
     VK_CHECK(vkResetFences(device.handle(), 1, &fence));
@@ -114,7 +118,7 @@ struct Uploader::Hidden {
   }
 };
 
-Uploader::Uploader(Device& device) : hidden_(std::make_unique<Hidden>(device)) {}
+Uploader::Uploader(Device& device, uint64_t staging_bytes) : hidden_(std::make_unique<Hidden>(device, staging_bytes)) {}
 Uploader::~Uploader() = default;
 
 void Uploader::to_buffer(Buffer& target, uint64_t offset, std::span<const std::byte> bytes) {
@@ -145,7 +149,7 @@ void Uploader::to_texture(Texture& target, const TextureData& data) {
     const std::vector<std::byte>& bytes = data.levels[level];
     CHECK(!bytes.empty() && bytes.size() % rows == 0);
     const uint64_t row_bytes = bytes.size() / rows;
-    CHECK(row_bytes <= staging_bytes);
+    CHECK(row_bytes <= hidden.staging_bytes);
     hidden.device.count_uploaded(bytes.size());
     for (uint32_t row = 0; row < rows;) {
       const uint32_t part = uint32_t(std::min<uint64_t>(hidden.room(row_bytes) / row_bytes, rows - row));
@@ -166,7 +170,37 @@ void Uploader::to_texture(Texture& target, const TextureData& data) {
                   VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
 }
 
+std::span<std::byte> Uploader::texture_room(Texture& target, VkFormat format, uint32_t width, uint32_t height,
+                                            uint32_t levels, uint32_t texel_bytes) {
+  Hidden& hidden = *hidden_;
+  CHECK(block_height(format) == 1);
+  const auto side = [](uint32_t of_first, uint32_t level) { return std::max(1u, of_first >> level); };
+  uint64_t bytes = 0;
+  for (uint32_t level = 0; level < levels; ++level)
+    bytes += uint64_t(side(width, level)) * side(height, level) * texel_bytes;
+  CHECK(bytes <= hidden.room(bytes));
+  hidden.device.count_uploaded(bytes);
+  const std::span<std::byte> room(hidden.staging.mapped() + hidden.used, bytes);
+  texture_barrier(hidden.commands, target.image(), VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  for (uint32_t level = 0; level < levels; ++level) {
+    VkBufferImageCopy region{};
+    region.bufferOffset = hidden.used;
+    region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, 1};
+    region.imageExtent = {side(width, level), side(height, level), 1};
+    vkCmdCopyBufferToImage(hidden.commands, hidden.staging.handle(), target.image(),
+                           VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+    hidden.used += uint64_t(region.imageExtent.width) * region.imageExtent.height * texel_bytes;
+  }
+  texture_barrier(hidden.commands, target.image(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                  VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+  return room;
+}
+
 void Uploader::submit() { hidden_->submit(); }
+void Uploader::restart() {
+  CHECK(!hidden_->recording);
+  hidden_->wait();
+}
 void Uploader::flush() { hidden_->submit_and_wait(); }
 
 }  // namespace candela::gpu

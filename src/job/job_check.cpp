@@ -20,6 +20,13 @@ Expected<void> check_name(const char* option, const char* what, const std::strin
   return fail(ErrorKind::usage, option, "{}", unknown_name(what, name, names));
 }
 
+// With the layers of its groups of lights.
+std::vector<std::string> views_of(const Job& job) {
+  std::vector<std::string> names = view_names();
+  for (std::string& layer : light_group_layers(job)) names.push_back(std::move(layer));
+  return names;
+}
+
 std::vector<std::string> shading_names() {
   std::vector<std::string> names;
   for (const ShadingName& shading : shadings()) names.push_back(shading.name);
@@ -131,7 +138,7 @@ Expected<void> check_job(const Job& job) {
   if (!job.probe.empty())
     if (auto known = check_name("--probe", "probe", job.probe, probe_names()); !known) return known;
   if (!image_of_view(job.view))
-    if (auto known = check_name("--view", "view", job.view, view_names()); !known) return known;
+    if (auto known = check_name("--view", "view", job.view, views_of(job)); !known) return known;
   if (job.effects != "auto" && job.effects != "none")
     for (const std::string& effect : split(job.effects, ',')) {
       static const std::map<std::string, std::string> others = {

@@ -40,9 +40,11 @@ FrameRequest make_request(const Job& job, const KnobValues& knobs, const WantedO
   // An image of the frame is of the frame as it would be without the view.
   if (!image_of_view(job.view)) request.view = job.view;
   request.view_is_light = layer_form(request.view) == LayerForm::light;
+  std::vector<std::string> groups = light_group_layers(job);
+  if (wanted.linear) request.layers.insert(request.layers.end(), groups.begin(), groups.end());
   request.view_alone = wanted.display && request.view != "beauty" && !request.has_layer(request.view);
-  if (wanted.linear) request.light_groups = light_group_layers(job);
-  request.layers.insert(request.layers.end(), request.light_groups.begin(), request.light_groups.end());
+  if (wanted.linear || (wanted.display && std::ranges::find(groups, request.view) != groups.end()))
+    request.light_groups = std::move(groups);
   if (request.view_alone) request.layers.push_back(request.view);
   request.technique = job.technique;
   request.open_sides = job.sides == "open";
@@ -112,13 +114,16 @@ Expected<AskedFrame> ask_frame(const Job& job, const PlanContext& context, const
   if (!knobs) return std::unexpected(knobs.error());
   asked.knobs = std::move(*knobs);
   if (int& method = asked.knobs.get<OcclusionKnobs>().method; method == OcclusionKnobs::automatic) {
-    const ChosenOcclusion chosen = choose_occlusion(context.scene, asked.job.animation);
+    const ChosenOcclusion chosen =
+        context.occlusion ? *context.occlusion : choose_occlusion(context.scene, asked.job.animation);
     method = chosen.method;
     asked.occlusion_note = fmt::format("occlusion.method auto: {}, because {}",
                                        method == OcclusionKnobs::by_rays ? "rays" : "screen", chosen.why);
   }
   asked.technique = &*std::ranges::find(techniques(), asked.job.technique, &Technique::name);
-  auto look = context.look ? context.look->at(time_s) : look_of(asked.job, time_s);
+  auto look = context.look_now ? Expected<Look>(*context.look_now)
+              : context.look   ? context.look->at(time_s)
+                               : look_of(asked.job, time_s);
   if (!look) return std::unexpected(look.error());
   if (context.face) look = seen_by_probe(std::move(*look));
   expose_by_camera(asked.job, *look);

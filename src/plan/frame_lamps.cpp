@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/room.h"
 #include "base/scratch.h"
 #include "passes/geometry/depth_views.h"
 #include "plan/frame_suns.h"
@@ -368,6 +369,10 @@ Expected<void> plan_lamps(const Scene& scene, const SurveyedFrame& frame, const 
   if (tells_moving) add_moving_casters(scene, options.moving, packed.upload, out.moving);
   CasterHashes hashes(&scratch);
   hashes.items.reserve(packed.upload.items.size());
+  size_t clusters = 0;
+  for (const DrawSpan& span : packed.draws.spans)
+    if (span.group >= 0) clusters += data.item_groups[size_t(span.group)].set->clusters.size();
+  hashes.clusters.reserve(clusters);  // before others ask
   if (keeps) caster_hashes(data, packed.draws, packed.upload, frame.pose, hashes);
   ViewCasters casters(keeps ? &hashes : nullptr, out.moving, &scratch);
   if (auto placed = place_maps(out, data, packed.draws, packed.upload.items, options, knobs.draws, "local.draws",
@@ -424,9 +429,10 @@ Expected<void> plan_lamps(const Scene& scene, const SurveyedFrame& frame, const 
         over.under_px = stands.tile_px, over.under_layer = stands.tile_layer;
         move(faces.size() + i, split[i]);
       }
+      make_room(image.drawn, placed.drawn.size());
       image.drawn = placed.drawn;
       image.outlives = true;
-      out.pool.emplace() = placed.pool;
+      copy_pool(placed.pool, out.pool.emplace());
     }
   }
   keep_drawn(image, split, casters.of_view, packed.draws.batches.size(), out.views);

@@ -20,7 +20,8 @@ void take_maps(const ShadowMaps& maps, bool by_regions, bool in_compute, FrameSh
   const ViewImage& image = *maps.image;
   shape.name = image.name;
   shape.size_px = image.size_px, shape.layers = image.layers;
-  shape.texel_layers = image.texel_layers, shape.most_px = image.most_px, shape.room = image.room();
+  shape.texel_layers = in_compute ? image.texel_layers : 0;  // of compute's rasterizer alone
+  shape.most_px = image.most_px, shape.room = image.room();
   shape.apart = image.apart, shape.outlives = image.outlives, shape.in_parts = image.in_parts;
   const std::vector<uint32_t>& first = maps.views.first_command;
   shape.commands = std::bit_ceil(std::max<uint64_t>({first.empty() ? 0 : first.back(), image.commands, 1}));

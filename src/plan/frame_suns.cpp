@@ -7,6 +7,7 @@
 #include "base/scratch.h"
 #include "passes/geometry/depth_views.h"
 #include "plan/sun_cascades.h"
+#include "scene/largest_score.h"
 
 namespace candela {
 namespace {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "base/room.h"
 #include "base/scratch.h"
 #include "plan/item_tree.h"
 
@@ -96,6 +97,7 @@ Expected<void> place_views(FrameViews& placed, std::span<const shared::Item> ite
 Expected<void> place_maps(ShadowMaps& maps, const FrameData& data, const DrawList& draws,
                           std::span<const shared::Item> items, const MapOptions& options, int draws_knob,
                           std::string_view knob_name, ViewCasters* casters) {
+  make_room(maps.views.table, maps.image->views.size());
   maps.views.table = maps.image->views;
   if (casters) casters->of_view.reserve(maps.views.table.size());
   if (casters) casters->counts.reserve(casters->moving.empty() ? 0 : maps.views.table.size() * draws.batches.size());

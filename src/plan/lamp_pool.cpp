@@ -1,12 +1,13 @@
 #include "plan/lamp_pool.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <limits>
-#include <map>
 #include <memory_resource>
 
 #include "base/check.h"
+#include "base/room.h"
 #include "base/scratch.h"
 
 namespace candela {
@@ -18,15 +19,36 @@ uint64_t spread_bits(uint32_t v) {
   return out;
 }
 // The pool as squares of the least size, layer by layer along a Z-order curve: a map is a run of them that begins at a
-// multiple of its length.
+// multiple of its length, and of each length of runs is known when what lies there was used last.
 class Squares {
  public:
   Squares(const LampPool& pool, std::pmr::memory_resource* memory)
       : per_layer_(uint64_t(pool.layer_px / least_lamp_px) * (pool.layer_px / least_lamp_px)),
-        owner_(size_t(per_layer_) * pool.layers, none, memory) {}
+        owner_(size_t(per_layer_) * pool.layers, none, memory),
+        used_(memory) {
+    uint64_t runs = owner_.size(), all = 0;
+    for (Level& level : levels_) {
+      level.first = all, level.runs = runs;
+      all += runs, runs /= 4;
+    }
+    used_.assign(all, 0);
+  }
   static uint64_t length(uint32_t size_px) { return uint64_t(size_px / least_lamp_px) * (size_px / least_lamp_px); }
-  void put(uint64_t first, uint32_t size_px, uint32_t owner) {
-    std::fill_n(owner_.begin() + std::ptrdiff_t(first), length(size_px), owner);
+  // used: when it was used last, greater than 0.
+  void put(uint64_t first, uint32_t size_px, uint32_t owner, uint64_t used) {
+    const uint64_t run = length(size_px);
+    std::fill_n(owner_.begin() + std::ptrdiff_t(first), run, owner);
+    set_used(first, run, used);
+  }
+  void free(uint64_t first, uint32_t size_px) {
+    const uint64_t run = length(size_px);
+    std::fill_n(owner_.begin() + std::ptrdiff_t(first), run, none);
+    set_used(first, run, 0);
+    for (size_t l = 0; l < levels_.size(); ++l) {
+      Level& level = levels_[l];
+      const uint64_t at = first >> (2 * l);
+      level.next = level.least == 0 ? std::min(level.next, at) : at, level.least = 0;
+    }
   }
   uint64_t first_of(const LampTile& tile) const {
     return tile.layer * per_layer_ +
@@ -37,20 +59,21 @@ class Squares {
     return {glm::uvec2(every_second_bit(in_layer), every_second_bit(in_layer >> 1)) * least_lamp_px,
             uint32_t(first / per_layer_)};
   }
-  // Where a map of that size takes the place of what was not used for the longest time: nothing, at best. used_of: of
-  // an owner, greater than 0. What is used `now` stays; nothing: no run is free of that.
-  template <class UsedOf>
-  std::optional<uint64_t> oldest(uint32_t size_px, uint64_t now, UsedOf used_of) const {
-    const uint64_t run = length(size_px);
-    std::optional<uint64_t> best;
-    uint64_t best_used = now;
-    for (uint64_t first = 0; first + run <= owner_.size() && best_used > 0; first += run) {
-      uint64_t used = 0;
-      for (uint64_t i = first; i < first + run && used < best_used; ++i)
-        if (owner_[i] != none) used = std::max(used, used_of(owner_[i]));
-      if (used < best_used) best = first, best_used = used;
+  // Where a map of that size takes the place of what was not used for the longest time, the first of such places:
+  // nothing, at best. What is used `now` stays; nothing: no run is free of that.
+  std::optional<uint64_t> oldest(uint32_t size_px, uint64_t now) {
+    const size_t l = size_t(std::bit_width(size_px / least_lamp_px) - 1);
+    Level& level = levels_[l];
+    const auto used = std::span(used_).subspan(level.first, level.runs);
+    while (level.next < level.runs && used[level.next] != level.least) ++level.next;
+    if (level.next == level.runs) {
+      // None is left that was used as long ago: the next longest.
+      const auto found = std::ranges::min_element(used);
+      if (found == used.end()) return std::nullopt;
+      level.least = *found, level.next = uint64_t(found - used.begin());
     }
-    return best;
+    if (level.least >= now) return std::nullopt;
+    return level.next << (2 * l);
   }
   template <class Taken>
   void each_owner(uint64_t first, uint32_t size_px, Taken taken) const {
@@ -61,8 +84,61 @@ class Squares {
   static constexpr uint32_t none = ~0u;
 
  private:
+  // Runs of 4^n squares. No run was used before `least`, and none before the run `next` at `least`.
+  struct Level {
+    uint64_t first = 0, runs = 0;  // of used_
+    uint64_t least = 0, next = 0;
+  };
+  void set_used(uint64_t first, uint64_t run, uint64_t used) {
+    uint64_t begin = first, end = first + run;
+    std::fill(used_.begin() + std::ptrdiff_t(begin), used_.begin() + std::ptrdiff_t(end), used);
+    for (size_t l = 1; l < levels_.size(); ++l) {
+      const uint64_t below = levels_[l - 1].first;
+      begin /= 4, end = std::min((end + 3) / 4, levels_[l].runs);
+      for (uint64_t i = begin; i < end; ++i) {
+        const uint64_t* of = &used_[below + 4 * i];
+        used_[levels_[l].first + i] = std::max({of[0], of[1], of[2], of[3]});
+      }
+    }
+  }
+
   uint64_t per_layer_;
   ScratchVector<uint32_t> owner_;  // into LampPool::maps
+  ScratchVector<uint64_t> used_;   // of each level's runs
+  std::array<Level, 16> levels_;
+};
+
+// Maps of a pool by their keys: a table with room for twice as many.
+class Known {
+ public:
+  Known(size_t most, std::pmr::memory_resource* memory) : slots_(std::bit_ceil(2 * most + 2), Slot{}, memory) {}
+  uint32_t* find(const Hash128& key) {
+    for (size_t at = key.lo;; ++at) {
+      Slot& slot = slots_[at & (slots_.size() - 1)];
+      if (slot.map == empty) return nullptr;
+      if (slot.map != erased && slot.key == key) return &slot.map;
+    }
+  }
+  void set(const Hash128& key, uint32_t map) {
+    if (uint32_t* const there = find(key)) {
+      *there = map;
+      return;
+    }
+    size_t at = key.lo;
+    while (slots_[at & (slots_.size() - 1)].map != empty) ++at;
+    slots_[at & (slots_.size() - 1)] = {key, map};
+  }
+  void erase(const Hash128& key) {
+    if (uint32_t* const there = find(key)) *there = erased;
+  }
+
+ private:
+  static constexpr uint32_t empty = ~0u, erased = ~0u - 1;
+  struct Slot {
+    Hash128 key{};
+    uint32_t map = empty;
+  };
+  ScratchVector<Slot> slots_;
 };
 
 // False: the gaps are too small.
@@ -71,52 +147,57 @@ bool place(std::span<const LampMap> maps, PlacedLamps& out) {
   out.tiles.clear(), out.drawn.clear();
   const uint64_t now = ++pool.frames;
   Scratch scratch;
-  Squares squares(pool, &scratch);
-  std::pmr::map<Hash128, uint32_t> known(&scratch);
-  for (uint32_t m = 0; m < pool.maps.size(); ++m) {
-    squares.put(squares.first_of(pool.maps[m].tile), pool.maps[m].size_px, m);
-    known[pool.maps[m].key] = m;
-  }
+  Known known(pool.maps.size() + maps.size(), &scratch);
+  for (uint32_t m = 0; m < pool.maps.size(); ++m) known.set(pool.maps[m].key, m);
   for (const LampMap& map : maps)
-    if (const auto found = map.key ? known.find(*map.key) : known.end(); found != known.end())
-      pool.maps[found->second].used = now;
-  ScratchVector<bool> gone(pool.maps.size(), false, &scratch), of_frame(pool.maps.size(), false, &scratch);
+    if (const uint32_t* const found = map.key ? known.find(*map.key) : nullptr) pool.maps[*found].used = now;
+  // Odd: of what moves.
+  const auto used_of = [&](const LampPool::Map& there) {
+    return there.passing && there.used < now ? 1 : 2 * there.used;
+  };
+  Squares squares(pool, &scratch);
+  for (uint32_t m = 0; m < pool.maps.size(); ++m)
+    squares.put(squares.first_of(pool.maps[m].tile), pool.maps[m].size_px, m, used_of(pool.maps[m]));
+  const size_t most = pool.maps.size() + maps.size();
+  ScratchVector<uint8_t> gone(most, uint8_t(0), &scratch), of_frame(most, uint8_t(0), &scratch);
   ScratchVector<uint32_t> over(&scratch);
   for (uint32_t i = 0; i < maps.size(); ++i) {
     const LampMap& map = maps[i];
-    if (const auto found = map.key ? known.find(*map.key) : known.end(); found != known.end()) {
-      out.tiles.push_back(pool.maps[found->second].tile);
+    if (const uint32_t* const found = map.key ? known.find(*map.key) : nullptr) {
+      out.tiles.push_back(pool.maps[*found].tile);
       continue;
     }
-    // Odd: of what moves.
-    const auto used_of = [&](uint32_t m) {
-      const LampPool::Map& there = pool.maps[m];
-      return there.passing && there.used < now ? 1 : 2 * there.used;
-    };
-    const auto first = squares.oldest(map.size_px, 2 * now, used_of);
+    const auto first = squares.oldest(map.size_px, 2 * now);
     if (!first) return false;
     over.clear();
     squares.each_owner(*first, map.size_px, [&](uint32_t m) { over.push_back(m); });
     for (const uint32_t m : over) {
-      squares.put(squares.first_of(pool.maps[m].tile), pool.maps[m].size_px, Squares::none);
+      squares.free(squares.first_of(pool.maps[m].tile), pool.maps[m].size_px);
       known.erase(pool.maps[m].key);
-      gone[m] = true;
+      gone[m] = 1;
     }
     const uint32_t added = uint32_t(pool.maps.size());
     pool.maps.push_back({map.key.value_or(Hash128{}), map.size_px, squares.tile_at(*first), now, map.passing});
-    gone.push_back(false), of_frame.push_back(!map.key);
-    if (map.key) known[*map.key] = added;
-    squares.put(*first, map.size_px, added);
+    of_frame[added] = !map.key;
+    if (map.key) known.set(*map.key, added);
+    squares.put(*first, map.size_px, added, 2 * now);
     out.tiles.push_back(pool.maps[added].tile);
     out.drawn.push_back(i);
   }
   // What has no key is of no use to later frames.
-  for (size_t m = pool.maps.size(); m-- > 0;)
-    if (gone[m] || of_frame[m]) pool.maps.erase(pool.maps.begin() + std::ptrdiff_t(m));
+  size_t left = 0;
+  for (size_t m = 0; m < pool.maps.size(); ++m)
+    if (!gone[m] && !of_frame[m]) pool.maps[left++] = pool.maps[m];
+  pool.maps.resize(left);
   return true;
 }
 
 }  // namespace
+
+void copy_pool(const LampPool& from, LampPool& to) {
+  make_room(to.maps, from.maps.size());
+  to = from;
+}
 
 bool place_lamps(const LampPool& before, std::span<const LampMap> maps, bool floats, uint32_t layer_px,
                  uint64_t most_bytes, PlacedLamps& placed) {
@@ -126,6 +207,7 @@ bool place_lamps(const LampPool& before, std::span<const LampMap> maps, bool flo
   const uint64_t most_layers = std::min<uint64_t>(most_bytes / layer_bytes, std::numeric_limits<uint16_t>::max());
   if (texels > most_layers * layer_texels) return false;
   LampPool& pool = placed.pool;
+  make_room(pool.maps, before.maps.size() + maps.size());
   pool = before;
   pool.fresh = false;
   const auto empty = [&] { pool.maps.clear(), pool.fresh = true; };

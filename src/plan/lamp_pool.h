@@ -27,6 +27,9 @@ struct LampPool {
   void forget() { layer_px = layers = 0, floats = false, fresh = true, frames = 0, maps.clear(); }
 };
 
+// With room for some more maps (base/room.h).
+void copy_pool(const LampPool& from, LampPool& to);
+
 // What planning knows of earlier frames' maps.
 struct KeptLamps {
   const LampPool& pool;

@@ -11,6 +11,7 @@
 #include "passes/shared/light_knobs.h"
 #include "passes/volumes/fog_knobs.h"
 #include "plan/frame_fog.h"
+#include "scene/largest_score.h"
 #include "scene/moving_nodes.h"
 
 namespace candela {

@@ -120,7 +120,7 @@ Expected<void> plan_one(const Job& job, const PlanContext& context, const Wanted
 
 Expected<void> plan_frame(const Job& job, const PlanContext& context, const WantedOutputs& wanted, double time_s,
                           PlannedFrame& frame) {
-  if (context.subframe) return plan_one(job, context, wanted, time_s, frame);
+  if (context.subframe || context.is_whole) return plan_one(job, context, wanted, time_s, frame);
   const auto frames = subframes_of(job, context, time_s);
   if (!frames) return std::unexpected(frames.error());
   if (frames->empty()) return plan_one(job, context, wanted, time_s, frame);

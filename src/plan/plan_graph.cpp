@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 
+#include "base/room.h"
 #include "passes/debug/dump.h"
 #include "passes/shared/features.h"
 #include "passes/shared/pass_list.h"
@@ -89,7 +90,12 @@ SceneInputs import_scene(GraphBuilder& builder, const PlannedFrame& f, PlannedGr
 // What the frame is recorded with.
 void take_values(const PlannedFrame& f, PlannedGraph& made) {
   if (f.suns.image) made.sun_image = *f.suns.image;
-  if (f.lamps.image) made.lamp_image = *f.lamps.image;
+  if (f.lamps.image) {
+    make_room(made.lamp_image.views, f.lamps.image->views.size());
+    make_room(made.lamp_image.drawn, f.lamps.image->drawn.size());
+    made.lamp_image = *f.lamps.image;
+  }
+  make_room(made.lamp_first_command, f.lamps.views.first_command.size());
   made.sun_first_command = f.suns.views.first_command, made.lamp_first_command = f.lamps.views.first_command;
   const FrameRequest& request = f.request;
   FrameValues& v = made.values;

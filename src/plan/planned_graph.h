@@ -28,7 +28,8 @@ struct PlannedGraph {
   std::vector<FrameDump> dumps;
 };
 
-// Graphs of the last frames. Two: a picture of several frames has those of these and of their mean.
+// Graphs of the last frames, those used last. A picture of several frames has those of these and of their mean, and
+// lamps that come on and go take shapes in turn.
 class KeptGraphs {
  public:
   std::shared_ptr<PlannedGraph> find(const FrameShape& shape);  // null: none has it
@@ -37,7 +38,7 @@ class KeptGraphs {
   uint64_t made() const { return made_; }
 
  private:
-  static constexpr size_t most = 2;
+  static constexpr size_t most = 8;
   std::vector<std::shared_ptr<PlannedGraph>> graphs_;  // the one used last first
   FrameShape shape_;
   uint64_t made_ = 0;

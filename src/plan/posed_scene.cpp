@@ -71,17 +71,31 @@ double lens_radius_m(const LensLook& lens, const View& view) {
 Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_s, double lamp_radius_m,
                                 const View* given, const DevicePose& on_device, double cells,
                                 const Subframe* subframe) {
-  const auto animations = choose_animations(scene, job.animation);
-  if (!animations) return std::unexpected(animations.error());
   PosedScene out;
-  out.pose = evaluate_pose(scene, *animations, time_s);
+  auto posed = pose_scene(scene, job, nullptr, time_s, lamp_radius_m, given, on_device, cells, subframe, out);
+  if (!posed) return std::unexpected(posed.error());
+  return out;
+}
+
+Expected<void> pose_scene(const Scene& scene, const Job& job, const PosedParts* parts, double time_s,
+                          double lamp_radius_m, const View* given, const DevicePose& on_device, double cells,
+                          const Subframe* subframe, PosedScene& out) {
+  std::optional<PosedParts> own;
+  if (!parts) {
+    const auto animations = choose_animations(scene, job.animation);
+    if (!animations) return std::unexpected(animations.error());
+    parts = &own.emplace(posed_parts(scene, *animations));
+  }
+  const AnimationChoice& animations = parts->choice;
+  out.window = {};
+  evaluate_pose(scene, *parts, time_s, out.state, out.pose);
   if (given) {
     out.view = *given;
   } else {
     const auto outlines = [&](const glm::dmat3& axes, bool turned) {
       if (job.camera.framing == Framing::film && scene.view_hulls)
-        return scene.view_hulls->of_film(scene, *animations, axes, turned);
-      return view_hulls(scene, {*animations, job.camera.framing == Framing::film ? nullptr : &out.pose}, axes, turned);
+        return scene.view_hulls->of_film(scene, animations, axes, turned);
+      return view_hulls(scene, {animations, job.camera.framing == Framing::film ? nullptr : &out.pose}, axes, turned);
     };
     const DrawnBounds bounds([&] { return world_bounds(scene, out.pose); }, outlines);
     auto view = make_view(scene, out.pose, camera_at(job.camera, time_s), job.width_px, job.height_px, bounds);
@@ -97,8 +111,8 @@ Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_
     if (!window) return std::unexpected(window.error());
     out.window = *window;
   }
-  out.data = make_frame_data(scene, out.pose, out.view, lamp_radius_m, on_device, cells);
-  return out;
+  fill_frame_data(scene, out.pose, out.view, lamp_radius_m, on_device, cells, out.data);
+  return {};
 }
 
 Expected<PosedScene> pose_before(const Scene& scene, const Job& job, double time_s, const Pose& now) {

@@ -3,6 +3,7 @@
 #include "job/job.h"
 #include "plan/subframes.h"
 #include "scene/frame_data.h"
+#include "scene/posed_parts.h"
 
 namespace candela {
 
@@ -15,13 +16,18 @@ struct PosedScene {
   View view;
   FrameData data;
   ImageWindow window;  // of a subframe
+  PoseState state;
 };
 // subframe: what the view is moved to and widened by; null: it is the picture's.
-// lamp_radius_m: of lamps that say nothing of their own size. view: instead of the job's, and without its probe.
-// on_device and cells: as make_frame_data takes them.
+// parts: those of the job's animations; null: they are found anew. lamp_radius_m: of lamps that say nothing of their
+// own size. view: instead of the job's, and without its probe. on_device and cells: as make_frame_data takes them.
 Expected<PosedScene> pose_scene(const Scene& scene, const Job& job, double time_s, double lamp_radius_m = 0,
                                 const View* view = nullptr, const DevicePose& on_device = {}, double cells = 1,
                                 const Subframe* subframe = nullptr);
+// out: whatever it held, its memory is used again.
+Expected<void> pose_scene(const Scene& scene, const Job& job, const PosedParts* parts, double time_s,
+                          double lamp_radius_m, const View* view, const DevicePose& on_device, double cells,
+                          const Subframe* subframe, PosedScene& out);
 
 // Half the diameter of the lens's opening; 0 of orthographic views. How far along the view axis its plane of focus
 // lies. Errors (usage): there is no node of that name; it is not before the camera.

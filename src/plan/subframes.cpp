@@ -78,7 +78,9 @@ std::vector<double> camera_cuts(const Scene& scene, const Job& job) {
 Expected<std::vector<Subframe>> subframes_of(const Job& job, const PlanContext& context, double time_s) {
   std::vector<Subframe> frames;
   if (context.face) return frames;
-  const auto look = context.look ? context.look->at(time_s) : look_of(job, time_s);
+  const auto look = context.look_now ? Expected<Look>(*context.look_now)
+                    : context.look   ? context.look->at(time_s)
+                                     : look_of(job, time_s);
   if (!look) return std::unexpected(look.error());
   const auto camera = picture_camera(job, *look);
   if (!camera) return std::unexpected(camera.error());

@@ -101,11 +101,15 @@ Expected<void> survey_frame(const AskedFrame& asked, const PlanContext& context,
   f.request = asked.request;
   f.notes = asked.notes;
   f.on_device = posed_on_device(f.request, asked.knobs, *asked.technique, context.on_device, context.cpu);
-  auto posed = pose_scene(context.scene, job, time_s, f.request.look.lights.radius_m, context.face, f.on_device,
-                          double(asked.knobs.get<MetaballKnobs>().cell), context.subframe);
-  if (!posed) return std::unexpected(posed.error());
-  f.pose = std::move(posed->pose), f.view = std::move(posed->view), f.data = std::move(posed->data);
-  if (f.request.part.role == SubframePart::Role::subframe) widen(posed->window, f.request);
+  PosedScene posed{std::move(f.pose), {}, std::move(f.data), {}, std::move(f.pose_state)};
+  f.pose_state.parts = 0;  // of no pose after an error
+  if (auto fine = pose_scene(context.scene, job, context.parts, time_s, f.request.look.lights.radius_m, context.face,
+                             f.on_device, double(asked.knobs.get<MetaballKnobs>().cell), context.subframe, posed);
+      !fine)
+    return std::unexpected(fine.error());
+  f.pose = std::move(posed.pose), f.view = std::move(posed.view), f.data = std::move(posed.data);
+  f.pose_state = std::move(posed.state);
+  if (f.request.part.role == SubframePart::Role::subframe) widen(posed.window, f.request);
   if (const auto& paths = context.scene.paths) f.notes.insert(f.notes.end(), paths->notes.begin(), paths->notes.end());
   f.light_group_of.clear();
   f.sky = {};

@@ -1,6 +1,7 @@
 #pragma once
 #include "plan/ask_frame.h"
 #include "scene/pose.h"
+#include "scene/posed_parts.h"
 #include "scene/survey.h"
 #include "scene/view.h"
 
@@ -10,6 +11,7 @@ namespace candela {
 // kind, which is what passes are chosen by. `candela facts` ends here.
 struct SurveyedFrame {
   Pose pose;
+  PoseState pose_state;
   View view;
   FrameData data;  // with the neutral light, where there is no other; lights end where the knob lights.floor_lux says
   DevicePose on_device;

@@ -194,15 +194,17 @@ class Integrator {
   glm::dvec3 volumetric_light(glm::dvec3 origin, glm::dvec3 direction, double end_m, SampleStream& stream) const;
   void add_volumetric(const CameraRay& camera, const std::optional<Hit>& first, SampleStream& stream, PixelSample& out,
                       TermSample* terms) const;
-  // A point of an emissive triangle as `from` sees it; empty where it gives no light there.
+  // A point of an emissive triangle or body as `from` sees it; empty where it gives no light there.
   struct EmissivePoint {
     glm::dvec3 l{0};                 // unit, towards it
     double distance_m = 0, pdf = 0;  // per steradian
-    uint32_t light = 0;              // into World::emissive()
+    uint32_t light = 0;              // into World::emissive(), behind its end into World::glowing()
     glm::dvec2 at{0};                // weights of the second and third corner
     bool back = false;
+    std::optional<Hit> of_body = {};  // instead of weights
   };
   std::optional<EmissivePoint> emissive_point(uint32_t light, double probability, glm::dvec3 from, glm::dvec2 u) const;
+  double chosen_density(size_t body, glm::dvec3 from, glm::dvec3 way) const;  // per steradian; 0: never
   glm::dvec3 radiance_of(const EmissivePoint& p) const;
   SurfacePoint surface_of(const EmissivePoint& p) const;
   double weight(double this_pdf, double other_pdf, Strategy own) const;

@@ -164,6 +164,29 @@ bool MetaballSurface::each_crossing(glm::dvec3 origin, glm::dvec3 direction, con
   return inside && found(ends.back(), false);
 }
 
+// Where F is 0, one of the n balls that reach there gives an nth of the threshold or more, and no more balls reach
+// there than have supports that meet its own.
+std::vector<glm::dvec4> MetaballSurface::spheres() const {
+  // Rows of M^T M: no vector grows by more than the square root of their largest sum.
+  const glm::dmat3 m(body_.relative_from_node), square = glm::transpose(m) * m;
+  double grows2 = 0;
+  for (int c = 0; c < 3; ++c)
+    grows2 = std::max(grows2, std::abs(square[c][0]) + std::abs(square[c][1]) + std::abs(square[c][2]));
+  std::vector<glm::dvec4> spheres;
+  for (const PosedBall& ball : body_.balls) {
+    if (!(ball.strength > 0)) continue;
+    const double together = double(std::ranges::count_if(body_.balls, [&](const PosedBall& other) {
+      return other.strength > 0 && glm::distance(other.centre, ball.centre) < other.radius_m + ball.radius_m;
+    }));
+    const double least = std::max(body_.threshold, 0.0) / (std::max(together, 1.0) * ball.strength);
+    if (!(least < 1)) continue;
+    const double radius_m = ball.radius_m * std::sqrt(1 - std::cbrt(least)) * std::sqrt(grows2) * (1 + 1e-9);
+    const glm::dvec3 centre(body_.relative_from_node * glm::dvec4(ball.centre, 1.0));
+    if (radius_m > 0 && std::isfinite(radius_m)) spheres.emplace_back(centre, radius_m);
+  }
+  return spheres;
+}
+
 glm::dvec3 MetaballSurface::polished(glm::dvec3 near, glm::dvec3 direction) const {
   const glm::dvec3 p = in_node(near), way = glm::dmat3(node_from_relative_) * glm::normalize(direction);
   const double off = field(p);

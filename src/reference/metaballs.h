@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <glm/glm.hpp>
+#include <vector>
 
 #include "scene/metaballs.h"
 
@@ -19,6 +20,9 @@ class MetaballSurface {
   bool each_crossing(glm::dvec3 origin, glm::dvec3 direction, const Crossing& found) const;
   // The same place on the surface, along the ray from near it; where that fails, as it was.
   glm::dvec3 polished(glm::dvec3 near, glm::dvec3 direction) const;
+
+  // Spheres of relative space, centre and radius, that hold the surface together; none about what reaches nowhere.
+  std::vector<glm::dvec4> spheres() const;
 
   // Unit vectors of relative space that point outwards: of the surface, and as it is shaded, turned by noise. The first
   // is 0 where F has no slope.

@@ -29,6 +29,16 @@ double Integrator::weight(double this_pdf, double other_pdf, Strategy own) const
 
 std::optional<Integrator::EmissivePoint> Integrator::emissive_point(uint32_t light, double probability, glm::dvec3 from,
                                                                     glm::dvec2 u) const {
+  if (light >= world_.emissive().size()) {
+    const GlowingBody& body = world_.glowing()[light - world_.emissive().size()];
+    const auto met = body.sample(from, u);
+    if (!met || (met->back && !body.two_sided())) return std::nullopt;
+    const double density = body.density(from, met->direction);
+    if (!(density > 0)) return std::nullopt;
+    Hit hit{.item = body.item(), .back = met->back};
+    hit.point = from + met->distance_m * met->direction;
+    return EmissivePoint{met->direction, met->distance_m, probability * density, light, {}, met->back, hit};
+  }
   const EmissiveTriangle& t = world_.emissive()[light];
   const double root = std::sqrt(u.x);
   const glm::dvec2 b(root * (1 - u.y), root * u.y);
@@ -43,17 +53,29 @@ std::optional<Integrator::EmissivePoint> Integrator::emissive_point(uint32_t lig
 }
 
 glm::dvec3 Integrator::radiance_of(const EmissivePoint& p) const {
+  const auto given = [](const Surface& emitter) { return emitter.emission * emitter.coverage; };
+  if (p.of_body) return given(world_.surface(*p.of_body, glm::dvec3(p.of_body->point) - p.distance_m * p.l, p.l));
   const EmissiveTriangle& t = world_.emissive()[p.light];
-  const Surface emitter = world_.surface_at(t.item, t.primitive, p.at, p.back, -p.l);
-  return emitter.emission * emitter.coverage;
+  return given(world_.surface_at(t.item, t.primitive, p.at, p.back, -p.l));
 }
 
 SurfacePoint Integrator::surface_of(const EmissivePoint& p) const {
+  if (p.of_body) return world_.accel().surface(*p.of_body);
   const EmissiveTriangle& t = world_.emissive()[p.light];
   return world_.accel().surface({0, float(p.at.x), float(p.at.y), t.item, t.primitive, p.back});
 }
 
-// The light of one triangle by way of one point on it.
+// Of a place of a body, if it would be found: the first one that is met on the way there.
+double Integrator::chosen_density(size_t body, glm::dvec3 from, glm::dvec3 way) const {
+  const double distance_m = glm::length(way);
+  if (!(distance_m > 0)) return 0;
+  const auto met = world_.glowing()[body].first(from, way / distance_m);
+  constexpr double nearly = 1e-4;
+  if (!met || std::abs(met->distance_m - distance_m) > nearly * distance_m) return 0;
+  return world_.glowing()[body].density(from, way / distance_m);
+}
+
+// The light of one triangle or body by way of one point on it.
 Integrator::Offer Integrator::emissive_offer(uint32_t light, double probability, const Surface& s, glm::dvec3 v,
                                              glm::dvec2 u) const {
   const auto p = emissive_point(light, probability, s.position, u);
@@ -242,12 +264,18 @@ PixelSample Integrator::sample_path(const CameraRay& camera, const std::optional
   const auto weight_of_emission = [&](const Hit& hit, const Surface& at, glm::dvec3 v) {
     const int light = bounce == 0 || from_mirror ? -1 : world_.emissive_of(hit.item, hit.primitive);
     if (light < 0) return 1.0;
-    const EmissiveTriangle& t = world_.emissive()[size_t(light)];
     const glm::dvec3 d = at.position - left.position;
     const double probability = world_.light_tree().probability(
         uint32_t(world_.tree_punctual().size()) + uint32_t(light), left.position, left.normal, true);
-    const double pdf = probability * glm::dot(d, d) / (std::abs(glm::dot(t.normal, v)) * t.area_m2);
-    return weight(left.density, pdf, Strategy::brdf);
+    double density = 0;
+    if (size_t(light) < world_.emissive().size()) {
+      const EmissiveTriangle& t = world_.emissive()[size_t(light)];
+      density = glm::dot(d, d) / (std::abs(glm::dot(t.normal, v)) * t.area_m2);
+    } else {
+      density = chosen_density(size_t(light) - world_.emissive().size(), left.position, d);
+      if (density == 0) return 1.0;
+    }
+    return weight(left.density, probability * density, Strategy::brdf);
   };
   // What a ray from a surface finds of sky and suns where it leaves the scene, as `open` of them is left.
   const auto leave = [&](glm::dvec3 v, glm::dvec3 open) {

@@ -8,6 +8,7 @@
 
 #include "reference/accel.h"
 #include "reference/bsdf.h"
+#include "reference/glowing_body.h"
 #include "reference/light_tree.h"
 #include "reference/medium.h"
 #include "reference/punctual.h"
@@ -136,8 +137,10 @@ class World {
   double lamp_power_share(uint32_t lamp) const;
 
   const std::vector<EmissiveTriangle>& emissive() const { return emissive_; }
-  int emissive_of(uint32_t item, uint32_t primitive) const;  // into emissive(), -1: not chosen as a light
-  // Lights of the tree: point and spot lights first (indices into tree_punctual()), then emissive triangles.
+  const std::vector<GlowingBody>& glowing() const { return glowing_; }
+  // Into emissive(), behind its end into glowing(); -1: not chosen as a light.
+  int emissive_of(uint32_t item, uint32_t primitive) const;
+  // Lights of the tree: point and spot lights first (indices into tree_punctual()), then emissive triangles and bodies.
   const LightTree& light_tree() const { return tree_; }
   const LightTree& lamp_tree() const { return lamp_tree_; }  // the same without the triangles
   const std::vector<uint32_t>& tree_punctual() const { return tree_punctual_; }
@@ -182,6 +185,7 @@ class World {
   void add_items();
   void add_lights();
   void add_emissive_triangles(std::vector<LightExtent>& extents);
+  void add_glowing_bodies(std::vector<LightExtent>& extents);
   // What the material says of a point. geometric: unit, to either side.
   Surface shaded_surface(const TracedItem& item, const Vertex& v, glm::dvec3 position, glm::dvec3 geometric, bool back,
                          glm::dvec3 to_viewer) const;
@@ -213,7 +217,8 @@ class World {
   std::vector<PunctualLight> punctual_;
   std::vector<uint32_t> tree_punctual_, directional_;
   std::vector<EmissiveTriangle> emissive_;
-  std::vector<std::vector<int>> emissive_index_;  // per item; empty or one a triangle
+  std::vector<GlowingBody> glowing_;
+  std::vector<std::vector<int>> emissive_index_;  // per item; empty or one a triangle, of a body one
   LightTree tree_, lamp_tree_;
   struct Wall {
     uint32_t item = 0, primitive = 0;

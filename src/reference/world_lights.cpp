@@ -48,6 +48,7 @@ void World::add_lights() {
   for (const LightExtent& e : extents) lamp_power_.push_back((lamp_power_.empty() ? 0 : lamp_power_.back()) + e.power);
   lamp_tree_ = LightTree(extents);
   add_emissive_triangles(extents);
+  add_glowing_bodies(extents);
   tree_ = LightTree(std::move(extents));
   add_bending_walls();
 }
@@ -102,7 +103,7 @@ void World::add_emissive_triangles(std::vector<LightExtent>& extents) {
   for (uint32_t i = 0; i < items_.size(); ++i) {
     const TracedItem& item = items_[i];
     const Material& m = item.material->material;
-    if (item.section->metaballs >= 0) continue;  // paths that meet it by chance count its light
+    if (item.section->metaballs >= 0) continue;
     if (item.section->topology != Topology::triangles || item.unlit || m.emissive * m.emissive_strength == glm::vec3(0))
       continue;
     if (item.material->heights) continue;  // its light does not come from its triangles: paths meet it by chance
@@ -140,6 +141,30 @@ void World::add_emissive_triangles(std::vector<LightExtent>& extents) {
       emissive_index_[i][k] = int(emissive_.size());
       emissive_.push_back(t);
     }
+  }
+}
+
+void World::add_glowing_bodies(std::vector<LightExtent>& extents) {
+  for (uint32_t i = 0; i < items_.size(); ++i) {
+    const TracedItem& item = items_[i];
+    const MetaballSurface* surface = accel_.implicit(i);
+    if (!surface || item.unlit) continue;
+    const Material& m = item.material->material;
+    const double light =
+        luminance(emission_at(*item.material, Vertex{})) * coverage_of(m, base_color(*item.material, Vertex{}).w);
+    GlowingBody body(i, *surface, m.double_sided);
+    if (!(light > 0) || body.spheres().empty()) continue;
+    LightExtent e;
+    double area_m2 = 0;
+    for (const glm::dvec4& s : body.spheres()) {
+      e.box.add(glm::dvec3(s) - s.w), e.box.add(glm::dvec3(s) + s.w);
+      area_m2 += 4 * pi * s.w * s.w;
+    }
+    e.power = light * area_m2 * (body.two_sided() ? 2 : 1) * pi;
+    e.theta_o = pi, e.theta_e = pi / 2;
+    extents.push_back(e);
+    emissive_index_[i] = {int(emissive_.size() + glowing_.size())};
+    glowing_.push_back(std::move(body));
   }
 }
 

@@ -11,6 +11,7 @@
 #include "image/exr.h"
 #include "image/png_text.h"
 #include "image/prepare.h"
+#include "job/light_groups.h"
 #include "passes/post/pack.h"
 #include "passes/surfaces/terms.h"
 #include "render/cryptomatte.h"
@@ -71,11 +72,13 @@ std::vector<MetadataEntry> metadata_of(const FrameResult& frame, const Job& job,
   return metadata;
 }
 
-// Display output is no layer, and a layer that only --view asks for is in no file.
+// Display output is no layer, and a layer that only --view asks for is in no file. Groups of lights are in every one.
 bool in_exr(const FrameOutput& output, const Job& job) {
   if (output.layer == "display" || output.resource < 0) return false;
+  const std::vector<std::string> groups = light_group_layers(job);
   return job.view == "beauty" || output.layer != job.view ||
-         std::find(job.layers.begin(), job.layers.end(), job.view) != job.layers.end();
+         std::find(job.layers.begin(), job.layers.end(), job.view) != job.layers.end() ||
+         std::find(groups.begin(), groups.end(), job.view) != groups.end();
 }
 
 // What names the ids of the file's Cryptomatte layers.

@@ -137,8 +137,9 @@ Expected<void> check_traced_layers(const std::vector<std::string>& layers) {
   return {};
 }
 
-Expected<void> check_traced_view(const std::string& view) {
+Expected<void> check_traced_view(const std::string& view, const Job& job) {
   std::vector<std::string> views = reference_layer_names();
+  for (std::string& layer : light_group_layers(job)) views.push_back(std::move(layer));
   views.insert(views.begin(), "beauty");
   if (std::find(views.begin(), views.end(), view) == views.end())
     return fail(ErrorKind::usage, "--view", "{}", unknown_name("view", view, views));
@@ -154,7 +155,7 @@ Expected<void> check_traced_job(const Job& job) {
   if (auto fine = check_job(common); !fine) return fine;
   if (auto fine = check_traced_layers(job.layers); !fine) return fine;
   if (auto fine = check_compression(job.layers, job.exr_compression); !fine) return fine;
-  return check_traced_view(job.view);
+  return check_traced_view(job.view, job);
 }
 
 Expected<std::shared_ptr<const ReferenceScene>> load_reference(const Job& job, reference::Mode mode) {
@@ -357,7 +358,8 @@ FloatImage reference_image(const reference::Film& film, const ReferenceFrame& fr
   }
   add_surface_layers(image, frame, window, layers, type);
   add_term_layers(image, film, layers, type);
-  add_light_group_layers(image, film, light_group_layers(job), type);
+  const std::vector<std::string> light_groups = light_group_layers(job);
+  add_light_group_layers(image, film, light_groups, type);
   add_motion_layer(image, frame, window, layers);
   add_matte_layers(image, frame, window, layers, sampler, film.samples());
   const auto names = [](const std::vector<std::string>& these, const std::string& layer) {
@@ -365,7 +367,7 @@ FloatImage reference_image(const reference::Film& film, const ReferenceFrame& fr
   };
   for (const std::string& layer : layers) {
     if (names(surface_layer_names(), layer) || names(term_layer_names(), layer) || names(matte_layer_names(), layer) ||
-        layer == "motion")
+        names(light_groups, layer) || layer == "motion")
       continue;
     if (layer.starts_with("heatmap_")) {
       add(layer + ".Y", ChannelType::float32) = reference_counts(film, frame, layer);

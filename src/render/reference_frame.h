@@ -78,7 +78,7 @@ Hash128 film_identity(const Job& job, const ReferenceFrame& frame, const referen
                       const AccelOptions& accel, bool with_terms = false);
 
 Expected<void> check_traced_layers(const std::vector<std::string>& layers);
-Expected<void> check_traced_view(const std::string& view);
+Expected<void> check_traced_view(const std::string& view, const Job& job);
 // Layers that the reference can write beside beauty.
 std::vector<std::string> reference_layer_names();  // variance, fog, fog_transmittance, terms, surface layers, counts
 // Of a layer of counts: heatmap_traversal, heatmap_leaves.

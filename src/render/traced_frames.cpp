@@ -54,7 +54,10 @@ DisplayImage traced_display(const reference::Film& film, const ReferenceFrame& f
     Job exact = job;
     exact.exr_float = true;
     layer = reference_image(film, frame, exact, "", {view}, {}, {}, sampler);
-    std::erase_if(layer.channels, [&](const Channel& c) { return !c.name.starts_with(view); });
+    // Cryptomatte's channels have numbers behind the name, and a group's name may begin with another's.
+    const std::vector<std::string> groups = light_group_layers(job);
+    const std::string start = std::ranges::find(groups, view) == groups.end() ? view : view + ".";
+    std::erase_if(layer.channels, [&](const Channel& c) { return !c.name.starts_with(start); });
     if (layer_form(view) != LayerForm::light) return layer_view(layer, layer_form(view), view);
   }
   const DisplayLook look = display_look(job, frame.look);

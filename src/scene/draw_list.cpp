@@ -58,7 +58,7 @@ struct GroupPart {
   size_t group = 0;
   uint32_t before = 0;  // of the host's items of the same rank, those that come first
   DrawBatch state;
-  std::vector<uint32_t> sections;
+  uint32_t sections = 0;  // of those of the rank, behind those of the parts before
 };
 
 class Lister {
@@ -77,8 +77,7 @@ class Lister {
   // The host's items by rank, and what of groups stands between them.
   void sort_items() {
     const std::vector<DrawItem>& items = frame_.items;
-    Scratch scratch;
-    ScratchVector<uint8_t> ranks(items.size(), &scratch);
+    ScratchVector<uint8_t> ranks(items.size(), &scratch_);
     size_t group = 0;
     for (size_t i = 0; i < items.size(); ++i) {
       for (; group < frame_.item_groups.size() && frame_.item_groups[group].before <= i; ++group) add_parts(group);
@@ -112,22 +111,24 @@ class Lister {
       item.mirrored = group.mirrored;
       const DrawBatch how = state(item);
       const uint32_t rank = rank_of(how);
-      std::vector<GroupPart>& parts = parts_[rank];
-      if (parts.empty() || parts.back().group != g) parts.push_back({g, count_[rank], how, {}});
-      parts.back().sections.push_back(section);
+      ScratchVector<GroupPart>& parts = parts_[rank];
+      if (parts.empty() || parts.back().group != g) parts.push_back({g, count_[rank], how, 0});
+      ++parts.back().sections;
+      sections_[rank].push_back(section);
     }
   }
 
   void add_rank(uint32_t rank) {
     uint32_t host = 0;
+    auto sections = sections_[rank].begin();
     for (const GroupPart& part : parts_[rank]) {
       add_host(rank, host, part.before);
       host = part.before;
-      const uint32_t count = frame_.item_groups[part.group].set->count * uint32_t(part.sections.size());
-      add_span(
-          {list_.item_count(), count, int(part.group), uint32_t(list_.sections.size()), uint32_t(part.sections.size())},
-          part.state);
-      list_.sections.insert(list_.sections.end(), part.sections.begin(), part.sections.end());
+      const uint32_t count = frame_.item_groups[part.group].set->count * part.sections;
+      add_span({list_.item_count(), count, int(part.group), uint32_t(list_.sections.size()), part.sections},
+               part.state);
+      list_.sections.insert(list_.sections.end(), sections, sections + part.sections);
+      sections += part.sections;
     }
     add_host(rank, host, count_[rank]);
   }
@@ -163,7 +164,9 @@ class Lister {
   const FrameData& frame_;
   const bool refraction_;
   std::array<uint32_t, draw_ranks> count_{}, first_{};  // of the host's items, by rank
-  std::array<std::vector<GroupPart>, draw_ranks> parts_;
+  Scratch scratch_;
+  ScratchVector<ScratchVector<GroupPart>> parts_{draw_ranks, &scratch_};    // by rank
+  ScratchVector<ScratchVector<uint32_t>> sections_{draw_ranks, &scratch_};  // of all parts of a rank
   DrawList& list_;
 };
 

@@ -9,6 +9,7 @@
 #include "math/transforms.h"
 #include "scene/drawn_sections.h"
 #include "scene/light_instances.h"
+#include "scene/posed_parts.h"
 
 namespace candela {
 namespace {
@@ -21,44 +22,38 @@ Aabb to_float(const DAabb& box) {
   return {glm::vec3(box.min), glm::vec3(box.max)};
 }
 
+// As new, but for the lists' memory.
+void clear(FrameData& data) {
+  const auto empty = [](auto&... lists) { (lists.clear(), ...); };
+  empty(data.relative_from_local, data.world_origins, data.items, data.item_groups, data.deformations,
+        data.joint_matrices, data.morph_weights, data.metaballs, data.lights, data.light_groups);
+  data.first_sun.reset();
+  data.perspective = true;
+  // A list that is not named above would keep the last frame's.
+  static_assert(sizeof(FrameData) == 10 * sizeof(std::vector<int>) + sizeof(data.first_sun) + 8);
+}
+
 class FrameBuilder {
  public:
   FrameBuilder(const Scene& scene, const Pose& pose, const View& view, double lamp_radius_m,
-               const DevicePose& on_device, double cells)
+               const DevicePose& on_device, double cells, FrameData& frame)
       : scene_(scene),
         pose_(pose),
         view_(view),
         drawn_(scene, pose, relative_from_world(view.position)),
         lamp_radius_m_(float(lamp_radius_m)),
         on_device_(on_device),
-        cells_(cells) {
+        cells_(cells),
+        frame_(frame) {
+    clear(frame_);
     frame_.perspective = view.perspective;
-    reserve();
   }
 
-  FrameData build() {
+  void build() {
     for (int n : scene_.order) add_node(size_t(n));
-    return std::move(frame_);
   }
 
  private:
-  void reserve() {
-    size_t transforms = 0, items = 0, lights = 0;
-    for (int n : scene_.order) {
-      const size_t node = size_t(n);
-      lights += scene_.nodes[node].light >= 0;
-      if (scene_.nodes[node].light_instances && !on_device_.lights)
-        lights += scene_.nodes[node].light_instances->count();
-      if (!drawn_.has_visible_mesh(node) || group_of(node)) continue;
-      transforms += drawn_.instance_count(node) + 1;
-      items += drawn_.instance_count(node) * scene_.meshes[size_t(scene_.nodes[node].mesh)].sections.size();
-    }
-    frame_.relative_from_local.reserve(transforms);
-    frame_.world_origins.reserve(transforms);
-    frame_.items.reserve(items);
-    frame_.lights.reserve(lights);
-  }
-
   void add_node(size_t n) {
     const Node& node = scene_.nodes[n];
     if (!pose_.node_visible[n]) return;
@@ -156,7 +151,8 @@ class FrameBuilder {
 
   // Instances are many: each thread takes some, to their places.
   void add_rigid(size_t n, const std::vector<MeshSection>& sections) {
-    std::vector<size_t> rigid;
+    std::vector<size_t>& rigid = rigid_;
+    rigid.clear();
     for (size_t s = 0; s < sections.size(); ++s)
       if (DrawnSections::can_be_drawn(sections[s]) && !deformations_[s].skinned) rigid.push_back(s);
     const size_t count = drawn_.instance_count(n), first_transform = frame_.relative_from_local.size(),
@@ -165,7 +161,7 @@ class FrameBuilder {
     frame_.world_origins.resize(first_transform + count);
     frame_.items.resize(first_item + count * rigid.size());
     const glm::dmat4 target_from_node = drawn_.target_from_node(n);
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 512), [&](const auto& range) {
+    const auto add = [&](const tbb::blocked_range<size_t>& range) {
       for (size_t i = range.begin(); i < range.end(); ++i) {
         const glm::dmat4 m = drawn_.target_from_instance(target_from_node, n, i);
         const size_t transform = first_transform + i;
@@ -175,7 +171,12 @@ class FrameBuilder {
         for (size_t r = 0; r < rigid.size(); ++r)
           frame_.items[first_item + i * rigid.size() + r] = item_of(n, rigid[r], i, uint32_t(transform), m, mirrored);
       }
-    });
+    };
+    const tbb::blocked_range<size_t> all(0, count, 512);
+    if (count <= all.grainsize())
+      add(all);
+    else
+      tbb::parallel_for(all, add);
   }
 
   // A relief lies below its triangles, up to as far as its floor does.
@@ -333,10 +334,11 @@ class FrameBuilder {
   float lamp_radius_m_;
   const DevicePose& on_device_;
   double cells_;  // of metaballs, in units of what the scene says
-  FrameData frame_;
+  FrameData& frame_;
   // Of the node at hand, kept to save allocations.
   std::vector<SectionDeformation> deformations_;
   std::vector<int> indices_;  // into FrameData::deformations
+  std::vector<size_t> rigid_;
   int morph_first_ = -1;
 };
 
@@ -393,7 +395,14 @@ Aabb bounds_of(const Scene& scene, const ItemGroup& group, uint32_t instance, ui
 
 FrameData make_frame_data(const Scene& scene, const Pose& pose, const View& view, double lamp_radius_m,
                           const DevicePose& on_device, double cells) {
-  return FrameBuilder(scene, pose, view, lamp_radius_m, on_device, cells).build();
+  FrameData data;
+  fill_frame_data(scene, pose, view, lamp_radius_m, on_device, cells, data);
+  return data;
+}
+
+void fill_frame_data(const Scene& scene, const Pose& pose, const View& view, double lamp_radius_m,
+                     const DevicePose& on_device, double cells, FrameData& data) {
+  FrameBuilder(scene, pose, view, lamp_radius_m, on_device, cells, data).build();
 }
 
 }  // namespace candela

@@ -7,11 +7,9 @@
 #include <set>
 #include <tuple>
 
-#include "math/transforms.h"
-#include "scene/animation_targets.h"
-#include "scene/scene_path.h"
-
 #include "base/names.h"
+#include "scene/posed_parts.h"
+#include "scene/scene_path.h"
 
 namespace candela {
 namespace {
@@ -23,84 +21,6 @@ std::string animation_names(const Scene& scene) {
     names += fmt::format("{} {} {}", i ? "," : "", i, quoted_name(scene.animations[i].name));
   return names;
 }
-
-// A quaternion of the file need not have unit length, and double asks for more digits than its floats hold.
-glm::dquat unit(glm::dquat q) {
-  const double length = glm::length(q);
-  return length > 1e-12 && std::isfinite(length) ? q / length : glm::dquat(1, 0, 0, 0);
-}
-
-size_t morph_target_count(const Mesh& mesh) {
-  size_t count = 0;
-  for (const MeshSection& section : mesh.sections) count = std::max(count, section.morph.size());
-  return count;
-}
-
-// The node's own weights, else the mesh's, else 0 for each target.
-std::vector<float> initial_weights(const Scene& scene, const Node& node) {
-  if (node.mesh < 0) return {};
-  const Mesh& mesh = scene.meshes[size_t(node.mesh)];
-  std::vector<float> weights = node.weights.empty() ? mesh.default_weights : node.weights;
-  weights.resize(morph_target_count(mesh), 0.0f);
-  return weights;
-}
-
-void place_nodes_once(const Scene& scene, const std::vector<NodeState>& nodes, const std::vector<PathPlace>& on_paths,
-                      Pose& pose) {
-  const std::vector<glm::dmat4> before = std::move(pose.world_from_node);
-  pose.world_from_node.assign(scene.nodes.size(), glm::dmat4(1.0));
-  pose.node_visible.assign(scene.nodes.size(), false);
-  std::vector<bool> placed(scene.nodes.size(), false);
-  for (int n : scene.order) {
-    const Node& node = scene.nodes[size_t(n)];
-    const NodeState& state = nodes[size_t(n)];
-    // Cameras and lights have no size: the scale of a node that carries nothing else does not count.
-    const bool scales =
-        node.mesh >= 0 || node.light_instances || !node.children.empty() || (node.camera < 0 && node.light < 0);
-    glm::dmat4 local = node.has_matrix
-                           ? node.matrix
-                           : compose_trs(state.translation, unit(state.rotation), scales ? state.scale : glm::dvec3(1));
-    const bool has_parent = node.parent >= 0 && placed[size_t(node.parent)];
-    placed[size_t(n)] = true;
-    const glm::dmat4 parent = has_parent ? pose.world_from_node[size_t(node.parent)] : glm::dmat4(1.0);
-    const ScenePath* const path = scene.paths ? scene.paths->of(size_t(n)) : nullptr;
-    glm::dmat4& world = pose.world_from_node[size_t(n)];
-    if (path) {
-      const PathPlace& place = on_paths[size_t(path - scene.paths->paths.data())];
-      world = on_path(*path, place, parent, local, before);
-    } else {
-      world = has_parent ? parent * local : local;
-    }
-    pose.node_visible[size_t(n)] = state.visible && (!has_parent || pose.node_visible[size_t(node.parent)]);
-  }
-}
-
-// Nodes that look at others need where these are: once more for each that may hang on another.
-void place_nodes(const Scene& scene, const std::vector<NodeState>& nodes, Pose& pose) {
-  std::vector<PathPlace> on_paths;
-  if (scene.paths)
-    for (const ScenePath& path : scene.paths->paths) on_paths.push_back(path.at(pose.time_s));
-  const size_t times = scene.paths ? 1 + scene.paths->look_at_nodes : 1;
-  for (size_t i = 0; i < times; ++i) place_nodes_once(scene, nodes, on_paths, pose);
-}
-
-// Two animated cone angles may cross, though each is in its range. `drivers` names the last animation that drove one.
-void order_cones(const Scene& scene, const std::vector<const Animation*>& drivers, Pose& pose) {
-  for (size_t i = 0; i < pose.lights.size(); ++i) {
-    Light& light = pose.lights[i];
-    if (light.type != LightType::spot || light.inner_cone_rad <= light.outer_cone_rad) continue;
-    pose.warnings.push_back(
-        fmt::format("{} innerConeAngle: animation '{}' gives {} at {} s, which is greater than outerConeAngle {}; that "
-                    "is taken for both",
-                    light_place(scene, i), i < drivers.size() && drivers[i] ? drivers[i]->name : "",
-                    light.inner_cone_rad, pose.time_s, light.outer_cone_rad));
-    light.inner_cone_rad = light.outer_cone_rad;
-  }
-}
-
-}  // namespace
-
-namespace {
 
 // Which properties animations drive, told apart so far as values can meet: a whole property meets its elements.
 class DrivenTargets {
@@ -231,38 +151,8 @@ Expected<AnimationChoice> choose_animations(const Scene& scene, const std::strin
 
 Pose evaluate_pose(const Scene& scene, const AnimationChoice& animations, double time_s) {
   Pose pose;
-  pose.time_s = time_s;
-  pose.materials = scene.materials;
-  pose.lights = scene.lights;
-  pose.cameras = scene.cameras;
-  pose.metaballs = scene.metaballs;
-  std::vector<NodeState> nodes;
-  nodes.reserve(scene.nodes.size());
-  pose.node_weights.reserve(scene.nodes.size());
-  for (const Node& node : scene.nodes) {
-    nodes.push_back({node.translation, node.scale, node.rotation, node.visible});
-    pose.node_weights.push_back(initial_weights(scene, node));
-  }
-
-  std::vector<int> in_file_order = animations.animations;
-  std::sort(in_file_order.begin(), in_file_order.end());
-  std::vector<double> values;
-  std::vector<const Animation*> cone_drivers;  // per light
-  for (int a : in_file_order) {
-    const Animation& animation = scene.animations[size_t(a)];
-    AnimationTarget target{scene, pose, nodes, &animation, time_s};
-    for (const AnimationChannel& channel : animation.channels) {
-      values.assign(size_t(channel.components), 0.0);
-      sample_channel(channel, time_s, values);
-      apply_channel(target, channel, values);
-      const bool is_cone = channel.path == TargetPath::light_inner_cone || channel.path == TargetPath::light_outer_cone;
-      if (!is_cone || channel.object < 0) continue;
-      cone_drivers.resize(scene.lights.size());
-      if (size_t(channel.object) < cone_drivers.size()) cone_drivers[size_t(channel.object)] = &animation;
-    }
-  }
-  order_cones(scene, cone_drivers, pose);
-  place_nodes(scene, nodes, pose);
+  PoseState state;
+  evaluate_pose(scene, posed_parts(scene, animations), time_s, state, pose);
   return pose;
 }
 

@@ -1,5 +1,8 @@
 #include "session/gpu_sky.h"
 
+#include <cstring>
+
+#include "base/check.h"
 #include "base/files.h"
 #include "passes/surfaces/ibl_knobs.h"
 #include "session/mip_chain.h"
@@ -37,6 +40,16 @@ gpu::TextureData sky_texture_data(VkFormat format, uint32_t width, uint32_t heig
   return data;
 }
 
+namespace {
+// One that no frame in flight uses, else a new one.
+template <class T>
+std::shared_ptr<T> take_free(std::vector<std::shared_ptr<T>>& all, gpu::Bindless& bindless) {
+  for (const auto& one : all)
+    if (one.use_count() == 1) return one;
+  return all.emplace_back(std::make_shared<T>(bindless));
+}
+}  // namespace
+
 uint32_t GpuSky::Indexed::add(const gpu::Texture& texture) {
   indices.push_back(bindless.add_sampled(texture.view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL));
   return indices.back();
@@ -48,15 +61,20 @@ void GpuSky::load(const PlannedFrame& frame, shared::FrameConstants& c,
   if (!frame.sky) return;
   const Hash128 key = frame.sky.key();
   if (!picture_ || picture_->key != key || picture_->blur_deg != frame.sky.blur_deg ||
-      picture_->shows_suns != frame.sky.shows_suns)
-    picture_ = make_picture(frame.sky);
+      picture_->shows_suns != frame.sky.shows_suns) {
+    const bool as_is = frame.sky.blur_deg <= 0 && (!frame.sky.shows_suns || frame.sky.suns.empty());
+    picture_ = !frame.sky.is_plain() && as_is ? sum_picture(frame.sky) : make_picture(frame.sky);
+  }
+  if (frame.sky.is_plain()) pictures_.clear(), summed_maps_.clear();
   keep.push_back(picture_);
   c.sky_texture = picture_->image_index, c.sky_background = picture_->background_index;
   c.sky_sampler = bindless_.add_sampler(image_sampler());
   c.sky_size_px = picture_->size_px;
   if (!frame.facts.image_light) return;
   if (!maps_ || maps_->key != key || !(maps_->knobs == frame.image_light))
-    maps_ = make_maps(frame.sky, frame.image_light);
+    maps_ = !frame.sky.is_plain() && IblMethod(frame.image_light.method) != IblMethod::sampled
+                ? sum_maps(frame.sky, frame.image_light)
+                : make_maps(frame.sky, frame.image_light);
   keep.push_back(maps_);
   c.image_light = maps_->light;
 }
@@ -85,6 +103,106 @@ std::shared_ptr<GpuSky::Picture> GpuSky::make_picture(const FrameSky& sky) {
   return made;
 }
 
+// The weighted sum, as the background shows it too.
+std::shared_ptr<GpuSky::Picture> GpuSky::sum_picture(const FrameSky& sky) {
+  const DecodedImage& image = sky.parts[0].image->image;
+  chain_.format = VK_FORMAT_R32G32B32A32_SFLOAT;
+  chain_.width = uint32_t(image.width), chain_.height = uint32_t(image.height);
+  if (chain_.levels.empty()) chain_.levels.emplace_back();
+  chain_.levels[0].resize(image.pixels.size());
+  sum_of(sky.parts, chain_.levels[0]);
+  add_float_levels(chain_);
+  const glm::vec2 size_px{image.width, image.height};
+  std::erase_if(pictures_, [&](const auto& p) { return p->size_px != size_px; });
+  const std::shared_ptr<Picture> made = take_free(pictures_, bindless_);
+  made->key = sky.key(), made->blur_deg = sky.blur_deg, made->shows_suns = sky.shows_suns;
+  made->size_px = size_px;
+  size_t bytes = 0;
+  for (const auto& level : chain_.levels) bytes += level.size();
+  if (!made->uploader) {
+    auto uploader = std::make_unique<gpu::Uploader>(device_, bytes + 16);
+    made->image = gpu::Texture(device_, chain_, "sky");
+    made->background_index = made->image_index = made->add(made->image);
+    made->uploader = std::move(uploader);
+  }
+  made->uploader->restart();
+  std::byte* to = made->uploader
+                      ->texture_room(made->image, chain_.format, chain_.width, chain_.height,
+                                     uint32_t(chain_.levels.size()), uint32_t(sizeof(glm::vec4)))
+                      .data();
+  for (const auto& level : chain_.levels) {
+    std::memcpy(to, level.data(), level.size());
+    to += level.size();
+  }
+  made->uploader->submit();
+  return made;
+}
+
+std::shared_ptr<GpuSky::Maps> GpuSky::sum_maps(const FrameSky& sky, const IblKnobs& knobs) {
+  weighted_.clear();
+  for (const SkyPart& part : sky.parts) weighted_.push_back({&filtered_part(*part.image, knobs), part.weight});
+  const FilteredSky& first = *weighted_[0].sky;
+  for (const WeightedSky& part : weighted_)
+    CHECK(part.sky->width == first.width && part.sky->height == first.height &&
+          part.sky->irradiance_px == first.irradiance_px);
+  sum_lights(weighted_, lights_);
+  const uint32_t count = uint32_t(lights_.size());
+  // lavapipe 25.0.7 loads from an address even where no lane asks: there is always a light.
+  if (lights_.empty()) lights_.emplace_back();
+  std::erase_if(summed_maps_, [&](const auto& m) {
+    return m->width != first.width || m->height != first.height || !(m->knobs == knobs);
+  });
+  const std::shared_ptr<Maps> made = take_free(summed_maps_, bindless_);
+  Maps& maps = *made;
+  shared::ImageLight& light = maps.light;
+  const uint32_t side = first.irradiance_px, lobes = shared::sky_lobe_size;
+  const auto slice_bytes = std::as_bytes(std::span(first.slices)), light_bytes = std::as_bytes(std::span(lights_));
+  const bool is_new = !maps.uploader;
+  if (is_new) {
+    maps.knobs = knobs, maps.width = first.width, maps.height = first.height;
+    const size_t texels = first.texels.size() + first.irradiance.size() + first.lobes.size();
+    const size_t most_lights = size_t(knobs.lights) * weighted_.size() + 1;
+    auto uploader = std::make_unique<gpu::Uploader>(
+        device_, texels * sizeof(float) + slice_bytes.size() + most_lights * sizeof(shared::SkyLight) + 256);
+    const auto texture = [&](gpu::Texture& target, VkFormat format, uint32_t width, uint32_t height, const char* name) {
+      gpu::TextureData shape{format, width, height, {}};
+      shape.levels.emplace_back();
+      target = gpu::Texture(device_, shape, name);
+      return maps.add(target);
+    };
+    light = {};
+    light.pixel_samples = uint32_t(knobs.stretched);
+    light.irradiance_texture = shared::absent;
+    light.texture = texture(maps.sky, VK_FORMAT_R32G32B32A32_SFLOAT, first.width, first.height, "sky.filtered");
+    light.lobe_texture = texture(maps.lobes, VK_FORMAT_R32G32_SFLOAT, lobes, lobes, "sky.lobes");
+    if (side > 0) {
+      light.irradiance_texture = texture(maps.irradiance, VK_FORMAT_R32G32B32A32_SFLOAT, side, side, "sky.irradiance");
+      light.irradiance_uv = {1 / float(side), float(side - 2) / float(side)};
+    }
+    light.clamp_sampler = bindless_.add_sampler(sky_map_sampler());
+    maps.uploader = std::move(uploader);
+  }
+  maps.key = sky.key();
+  gpu::Uploader& uploader = *maps.uploader;
+  uploader.restart();
+  const auto sum = [&](gpu::Texture& target, uint32_t width, uint32_t height, std::vector<float> FilteredSky::*map) {
+    const VkFormat format = VK_FORMAT_R32G32B32A32_SFLOAT;
+    sum_texels(weighted_, map, uploader.texture_room(target, format, width, height, 1, sizeof(glm::vec4)));
+  };
+  sum(maps.sky, first.width, first.height, &FilteredSky::texels);
+  if (side > 0) sum(maps.irradiance, side, side, &FilteredSky::irradiance);
+  // By the knobs alone.
+  if (is_new) {
+    const auto room =
+        uploader.texture_room(maps.lobes, VK_FORMAT_R32G32_SFLOAT, lobes, lobes, 1, uint32_t(sizeof(glm::vec2)));
+    CHECK(room.size() == first.lobes.size() * sizeof(float));
+    std::memcpy(room.data(), first.lobes.data(), room.size());
+  }
+  add_table(maps, uploader, slice_bytes, light_bytes, count);
+  uploader.submit();
+  return made;
+}
+
 std::shared_ptr<GpuSky::Maps> GpuSky::make_maps(const FrameSky& sky, const IblKnobs& knobs) {
   auto maps = std::make_shared<Maps>(bindless_);
   maps->key = sky.key(), maps->knobs = knobs;
@@ -100,27 +218,20 @@ std::shared_ptr<GpuSky::Maps> GpuSky::make_maps(const FrameSky& sky, const IblKn
 }
 
 const FilteredSky& GpuSky::filtered_part(const SkyImage& image, const IblKnobs& knobs) {
-  const Hash128 key = hash128(fmt::format("{} {} {} {} {} {}", image.content.hex(), int(knobs.method), knobs.lights,
-                                          knobs.size_px, knobs.filter_samples, knobs.irradiance_px));
-  for (const auto& [known, filtered] : filtered_)
-    if (known == key) return *filtered;
+  for (const Filtered& known : filtered_)
+    if (known.content == image.content && known.knobs == knobs) return *known.sky;
   constexpr size_t most = 6;
   if (filtered_.size() >= most) filtered_.erase(filtered_.begin());
-  filtered_.emplace_back(key, std::make_unique<FilteredSky>(filtered_sky(
-                                  image.to_filter(), knobs, image.passing ? std::filesystem::path() : cache_folder())));
-  return *filtered_.back().second;
+  filtered_.push_back({image.content, knobs,
+                       std::make_unique<FilteredSky>(filtered_sky(
+                           image.to_filter(), knobs, image.passing ? std::filesystem::path() : cache_folder()))});
+  return *filtered_.back().sky;
 }
 
 void GpuSky::load_filtered(Maps& maps, const FrameSky& frame_sky) {
-  FilteredSky sky;
-  if (frame_sky.parts.size() == 1 && frame_sky.is_plain()) {
-    const SkyImage& image = *frame_sky.parts[0].image;
-    sky = filtered_sky(image.to_filter(), maps.knobs, image.passing ? std::filesystem::path() : cache_folder());
-  } else {
-    std::vector<WeightedSky> parts;
-    for (const SkyPart& part : frame_sky.parts) parts.push_back({&filtered_part(*part.image, maps.knobs), part.weight});
-    sky = sum_of(parts);
-  }
+  const SkyImage& image = *frame_sky.parts[0].image;
+  const FilteredSky sky =
+      filtered_sky(image.to_filter(), maps.knobs, image.passing ? std::filesystem::path() : cache_folder());
   shared::ImageLight& light = maps.light;
   gpu::Uploader uploader(device_);
   const auto load = [&](gpu::Texture& texture, VkFormat format, uint32_t width, uint32_t height,
@@ -161,17 +272,23 @@ void GpuSky::load_divided(Maps& maps, const FrameSky& frame_sky) {
 
 void GpuSky::load_table(Maps& maps, gpu::Uploader& uploader, const std::vector<shared::SkySlice>& slices,
                         std::vector<shared::SkyLight> lights) {
-  maps.light.light_count = uint32_t(lights.size());
+  const uint32_t count = uint32_t(lights.size());
   // lavapipe 25.0.7 loads from an address even where no lane asks: there is always a light.
   if (lights.empty()) lights.push_back({});
-  const auto slice_bytes = std::as_bytes(std::span(slices)), light_bytes = std::as_bytes(std::span(lights));
-  maps.table = gpu::Buffer(
-      device_, slice_bytes.size() + light_bytes.size(),
-      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-      gpu::Buffer::Memory::device, gpu::Device::Purpose::scene, "sky.table");
-  if (!slices.empty()) uploader.to_buffer(maps.table, 0, slice_bytes);
-  uploader.to_buffer(maps.table, slice_bytes.size(), light_bytes);
+  add_table(maps, uploader, std::as_bytes(std::span(slices)), std::as_bytes(std::span(lights)), count);
   uploader.flush();
+}
+
+void GpuSky::add_table(Maps& maps, gpu::Uploader& uploader, std::span<const std::byte> slice_bytes,
+                       std::span<const std::byte> light_bytes, uint32_t count) {
+  maps.light.light_count = count;
+  if (maps.table.size() < slice_bytes.size() + light_bytes.size())
+    maps.table = gpu::Buffer(device_, slice_bytes.size() + light_bytes.size(),
+                             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT |
+                                 VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                             gpu::Buffer::Memory::device, gpu::Device::Purpose::scene, "sky.table");
+  if (!slice_bytes.empty()) uploader.to_buffer(maps.table, 0, slice_bytes);
+  uploader.to_buffer(maps.table, slice_bytes.size(), light_bytes);
   maps.light.slices = maps.table.address();
   maps.light.lights = maps.light.slices + slice_bytes.size();
 }

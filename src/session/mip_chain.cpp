@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "base/check.h"
+#include "base/scratch.h"
 
 namespace candela {
 namespace {
@@ -162,23 +163,22 @@ Taps taps(int source_size, int size, int at) {
   return t;
 }
 
-// Rows: Level or LinearRows.
+// Rows: Level, LinearRows or StoredRows. out: half as many texels each way, rounded down, at least one.
 template <class Rows>
-Level half_size(Rows& in) {
-  Level out{std::max(1, in.width / 2), std::max(1, in.height / 2), {}};
-  out.texels.resize(size_t(out.width) * size_t(out.height));
-  const bool even = in.width == 2 * out.width && in.height == 2 * out.height;
-  std::vector<Taps> columns;
-  for (int x = 0; !even && x < out.width; ++x) columns.push_back(taps(in.width, out.width, x));
-  Texel* texel = out.texels.data();
-  for (int y = 0; y < out.height; ++y) {
+void half_size(Rows& in, Texel* texel) {
+  const int width = std::max(1, in.width / 2), height = std::max(1, in.height / 2);
+  const bool even = in.width == 2 * width && in.height == 2 * height;
+  Scratch scratch;
+  ScratchVector<Taps> columns(&scratch);
+  for (int x = 0; !even && x < width; ++x) columns.push_back(taps(in.width, width, x));
+  for (int y = 0; y < height; ++y) {
     if (even) {  // the general case below with all weights 1/4, to the last bit
       const Texel *above = in.row(2 * y), *below = in.row(2 * y + 1);
-      for (int x = 0; x < out.width; ++x, above += 2, below += 2)
+      for (int x = 0; x < width; ++x, above += 2, below += 2)
         *texel++ = Texel{} + 0.25f * above[0] + 0.25f * above[1] + 0.25f * below[0] + 0.25f * below[1];
       continue;
     }
-    const Taps rows = taps(in.height, out.height, y);
+    const Taps rows = taps(in.height, height, y);
     std::array<const Texel*, 3> row{};
     for (int j = 0; j < rows.count; ++j) row[size_t(j)] = in.row(rows.first + j);
     for (const Taps& column : columns) {
@@ -189,8 +189,21 @@ Level half_size(Rows& in) {
       *texel++ = sum;
     }
   }
+}
+template <class Rows>
+Level half_size(Rows& in) {
+  Level out{std::max(1, in.width / 2), std::max(1, in.height / 2), {}};
+  out.texels.resize(size_t(out.width) * size_t(out.height));
+  half_size(in, out.texels.data());
   return out;
 }
+
+// A level of floats as it is stored.
+struct StoredRows {
+  int width, height;
+  const Texel* texels;
+  const Texel* row(int y) const { return texels + size_t(y) * size_t(width); }
+};
 
 }  // namespace
 
@@ -227,6 +240,20 @@ gpu::TextureData make_mip_chain(const DecodedImage& image, bool srgb, bool mipma
     if (level.width == 1 && level.height == 1) break;
   }
   return data;
+}
+
+void add_float_levels(gpu::TextureData& data) {
+  CHECK(data.format == VK_FORMAT_R32G32B32A32_SFLOAT);
+  int width = int(data.width), height = int(data.height);
+  size_t count = 1;
+  for (; width > 1 || height > 1; ++count) {
+    if (data.levels.size() == count) data.levels.emplace_back();
+    const StoredRows rows{width, height, reinterpret_cast<const Texel*>(data.levels[count - 1].data())};
+    width = std::max(1, width / 2), height = std::max(1, height / 2);
+    data.levels[count].resize(size_t(width) * size_t(height) * sizeof(Texel));
+    half_size(rows, reinterpret_cast<Texel*>(data.levels[count].data()));
+  }
+  data.levels.resize(count);
 }
 
 }  // namespace candela

@@ -13,4 +13,8 @@ namespace candela {
 // made of (Toksvig, "Mipmapping Normal Maps", 2005). 0 in level 0.
 gpu::TextureData make_mip_chain(const DecodedImage& image, bool srgb, bool mipmaps, bool normals = false);
 
+// Of four linear floats a texel: the levels below the first one, which is there, in the memory that they have. The same
+// texels as make_mip_chain().
+void add_float_levels(gpu::TextureData& data);
+
 }  // namespace candela

@@ -10,11 +10,13 @@
 #include "glsl/built_in_spirv.h"
 #include "gpu/device_select.h"
 #include "gpu/kept_image.h"
+#include "job/choose_occlusion.h"
 #include "job/choose_transparency.h"
 #include "job/job_look.h"
 #include "plan/choose_sides.h"
 #include "plan/posed_scene.h"
 #include "plan/scene_motion.h"
+#include "scene/moving_nodes.h"
 #include "session/begun_frame.h"
 #include "session/device_samples.h"
 #include "session/draw_probes.h"
@@ -60,6 +62,7 @@ class DeviceSession : public Session {
 
  private:
   Expected<void> load();
+  Expected<void> find_moving();
   void take_look(LookRead look);
   void make_runner();
   Expected<void> choose_by_device();
@@ -67,7 +70,9 @@ class DeviceSession : public Session {
   PlanContext plan_context() const;
   Expected<FrameTicket> begin_job(const Job& job, double time_s, bool hash_outputs);
   // One frame: the picture, or a part of it.
-  Expected<FrameTicket> begin_frame(const Job& job, double time_s, bool hash_outputs, const Subframe* subframe);
+  // look: at that time, if it is known.
+  Expected<FrameTicket> begin_frame(const Job& job, double time_s, bool hash_outputs, const Subframe* subframe,
+                                    const Look* look);
   // Hands a planned frame to the device.
   Expected<FrameTicket> submit(PlannedFrame& planned, SubmitTimes& times, bool hash_outputs);
   // The error with where the frame left what shows why it did not end in time (session/timeout_report.h).
@@ -108,7 +113,10 @@ class DeviceSession : public Session {
   KeptKeys kept_keys_;
   PlannedFrame planned_;
   GpuScene::Uploaded uploaded_;
-  std::vector<uint8_t> moving_;  // as PlanContext has it
+  // As PlanContext has them.
+  std::vector<uint8_t> moving_;
+  PosedParts parts_;
+  ChosenOcclusion occlusion_;
   KeptImages kept_images_;
   gpu::RunOptions run_options_;
 };
@@ -121,9 +129,7 @@ Expected<void> DeviceSession::load() {
   auto layout = layout_geometry(scene_);
   if (!layout) return std::unexpected(layout.error());
   layout_ = std::move(*layout);
-  auto moving = moving_of(scene_, job_.animation);
-  if (!moving) return std::unexpected(moving.error());
-  moving_ = std::move(*moving);
+  if (auto found = find_moving(); !found) return found;
   auto look = read_look_files(job_);
   if (!look) return std::unexpected(look.error());
   auto sky = read_sky(job_, *look, scene_);
@@ -132,6 +138,17 @@ Expected<void> DeviceSession::load() {
   if (auto hashed = hash_look(job_, scene_, *look); !hashed) return hashed;
   take_look(std::move(*look));
   return check_outputs();
+}
+
+// What the job's animations and paths move.
+Expected<void> DeviceSession::find_moving() {
+  const auto animations = choose_animations(scene_, job_.animation);
+  if (!animations) return std::unexpected(animations.error());
+  const std::vector<bool> moving = moving_nodes(scene_, *animations);
+  moving_.assign(moving.begin(), moving.end());
+  parts_ = posed_parts(scene_, *animations);
+  occlusion_ = choose_occlusion(scene_, job_.animation);
+  return {};
 }
 
 void DeviceSession::take_look(LookRead look) {
@@ -157,6 +174,7 @@ Expected<bool> DeviceSession::reread_look() {
   }
   if (auto moved = add_paths_again(scene_, job_); !moved) return std::unexpected(moved.error());
   scene_.view_hulls = std::make_shared<KeptViewHulls>();
+  if (auto found = find_moving(); !found) return std::unexpected(found.error());
   if (sky) sky_ = std::move(*sky);
   take_look(std::move(*look));
   job_ = asked_;
@@ -267,6 +285,7 @@ PlanContext DeviceSession::plan_context() const {
   PlanContext context{scene_, layout_, &*sky_, look_ ? &*look_ : nullptr};
   context.on_device = on_device_;
   context.moving = moving_;
+  context.parts = &parts_, context.occlusion = &occlusion_;
   context.rays = rays_;
   context.cpu = shades_on_cpu(*device_);
   context.stores_samples = stores_samples_;
@@ -280,13 +299,17 @@ Expected<FrameWork> DeviceSession::work(double time_s) const {
 }
 
 Expected<FrameTicket> DeviceSession::begin_job(const Job& job, double time_s, bool hash_outputs) {
-  const auto frames = subframes_of(job, plan_context(), time_s);
+  PlanContext context = plan_context();
+  const auto look = look_ ? look_->at(time_s) : Expected<Look>(Look{});
+  if (!look) return std::unexpected(look.error());
+  if (look_) context.look_now = &*look;
+  const auto frames = subframes_of(job, context, time_s);
   if (!frames) return std::unexpected(frames.error());
-  if (frames->empty()) return begin_frame(job, time_s, hash_outputs, nullptr);
+  if (frames->empty()) return begin_frame(job, time_s, hash_outputs, nullptr, context.look_now);
   sums_->begin_picture();
   std::vector<FrameTicket> begun;
   for (const Subframe& frame : *frames) {
-    const auto ticket = begin_frame(job, frame.time_s, hash_outputs, &frame);
+    const auto ticket = begin_frame(job, frame.time_s, hash_outputs, &frame, nullptr);
     if (!ticket) {
       for (const FrameTicket t : begun) (void)finish(t);
       return ticket;
@@ -302,10 +325,10 @@ Expected<FrameTicket> DeviceSession::begin_job(const Job& job, double time_s, bo
 }
 
 Expected<FrameTicket> DeviceSession::begin_frame(const Job& job, double time_s, bool hash_outputs,
-                                                 const Subframe* subframe) {
+                                                 const Subframe* subframe, const Look* look) {
   const double start = process_clock_us();
   PlanContext context = plan_context();
-  context.subframe = subframe;
+  context.subframe = subframe, context.is_whole = !subframe, context.look_now = look;
   context.graphs = &graphs_;
   if (kept_) kept_->keys(kept_keys_), context.kept = &kept_keys_;
   const KeptLamps kept_lamps{lamp_pool_, settings_.kept_bytes};
@@ -406,7 +429,7 @@ Expected<FrameTicket> DeviceSession::submit(PlannedFrame& planned, SubmitTimes& 
   uploaded_.keep.clear();
   for (const auto& [key, image] : kept_images_.filled) kept_->insert(key, image);
   kept_images_.held.clear(), kept_images_.filled.clear();
-  if (planned.lamps.pool && lamp_image_) lamp_pool_ = *planned.lamps.pool, lamp_pool_.fresh = false;
+  if (planned.lamps.pool && lamp_image_) copy_pool(*planned.lamps.pool, lamp_pool_), lamp_pool_.fresh = false;
   return ticket;
 }
 

@@ -161,15 +161,25 @@ DecodedImage sum_of(const std::vector<SkyPart>& parts) {
   const DecodedImage& first = parts.front().image->image;
   DecodedImage out{first.width, first.height, DecodedImage::Format::rgba32f, 3, {}};
   out.pixels.resize(first.pixels.size());
-  tbb::parallel_for(0, first.height, [&](int y) {
-    for (int x = 0; x < first.width; ++x) {
-      glm::vec3 sum(0);
-      for (const SkyPart& part : parts) sum += part.weight * glm::vec3(texel(part.image->image, x, y));
-      const glm::vec4 t(sum, 1);
-      std::memcpy(out.pixels.data() + (size_t(y) * size_t(first.width) + size_t(x)) * 16, &t, 16);
+  sum_of(parts, out.pixels);
+  return out;
+}
+
+void sum_of(const std::vector<SkyPart>& parts, std::span<std::byte> texels) {
+  for (const SkyPart& part : parts) CHECK(part.image->image.pixels.size() == texels.size());
+  using Texel = float __attribute__((vector_size(16)));
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, texels.size() / sizeof(Texel), 4096), [&](const auto& range) {
+    for (size_t i = range.begin() * sizeof(Texel); i < range.end() * sizeof(Texel); i += sizeof(Texel)) {
+      Texel sum{};
+      for (const SkyPart& part : parts) {
+        Texel t;
+        std::memcpy(&t, part.image->image.pixels.data() + i, sizeof t);
+        sum += Texel{part.weight.x, part.weight.y, part.weight.z, 0} * t;
+      }
+      sum[3] = 1;
+      std::memcpy(texels.data() + i, &sum, sizeof sum);
     }
   });
-  return out;
 }
 
 DecodedImage seen_sum_of(const std::vector<SkyPart>& parts) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,7 @@ struct FrameSky {
   Hash128 key() const;        // of parts and weights
 };
 DecodedImage sum_of(const std::vector<SkyPart>& parts);
+void sum_of(const std::vector<SkyPart>& parts, std::span<std::byte> texels);  // as large as an image of the parts
 // The same as the background shows it, with its suns.
 DecodedImage seen_sum_of(const std::vector<SkyPart>& parts);
 

@@ -2,22 +2,12 @@
 
 #include <tbb/parallel_for.h>
 
+#include <cstring>
+
 #include "base/check.h"
 
 namespace candela {
 namespace {
-
-// Four floats a texel; the fourth stays as the first part has it.
-void add_texels(std::vector<float>& sum, const std::vector<float>& part, glm::vec3 weight, bool first) {
-  CHECK(sum.size() == part.size());
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, sum.size() / 4, 4096), [&](const auto& range) {
-    for (size_t i = range.begin(); i < range.end(); ++i)
-      for (size_t c = 0; c < 4; ++c) {
-        const float value = (c < 3 ? weight[int(c)] : first ? 1.0f : 0.0f) * part[4 * i + c];
-        sum[4 * i + c] = first ? value : sum[4 * i + c] + value;
-      }
-  });
-}
 
 void add_lights(std::vector<shared::SkyLight>& sum, const std::vector<shared::SkyLight>& part, glm::vec3 weight) {
   if (weight == glm::vec3(0)) return;
@@ -29,17 +19,27 @@ void add_lights(std::vector<shared::SkyLight>& sum, const std::vector<shared::Sk
 
 }  // namespace
 
-FilteredSky sum_of(std::span<const WeightedSky> parts) {
-  FilteredSky sum = *parts.front().sky;
-  sum.lights.clear();
-  for (size_t i = 0; i < parts.size(); ++i) {
-    const auto& [sky, weight] = parts[i];
-    CHECK(sky->width == sum.width && sky->height == sum.height && sky->irradiance_px == sum.irradiance_px);
-    add_texels(sum.texels, sky->texels, weight, i == 0);
-    add_texels(sum.irradiance, sky->irradiance, weight, i == 0);
-    add_lights(sum.lights, sky->lights, weight);
-  }
-  return sum;
+void sum_texels(std::span<const WeightedSky> parts, std::vector<float> FilteredSky::*map, std::span<std::byte> sum) {
+  using Texel = float __attribute__((vector_size(16)));
+  for (const WeightedSky& part : parts) CHECK((part.sky->*map).size() * sizeof(float) == sum.size());
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, sum.size() / sizeof(Texel), 4096), [&](const auto& range) {
+    for (size_t i = range.begin(); i < range.end(); ++i) {
+      Texel all{};
+      for (size_t p = 0; p < parts.size(); ++p) {
+        const glm::vec3 w = parts[p].weight;
+        Texel t;
+        std::memcpy(&t, (parts[p].sky->*map).data() + 4 * i, sizeof t);
+        const Texel value = Texel{w.x, w.y, w.z, p == 0 ? 1.0f : 0.0f} * t;
+        all = p == 0 ? value : all + value;
+      }
+      std::memcpy(sum.data() + i * sizeof(Texel), &all, sizeof all);
+    }
+  });
+}
+
+void sum_lights(std::span<const WeightedSky> parts, std::vector<shared::SkyLight>& lights) {
+  lights.clear();
+  for (const auto& [sky, weight] : parts) add_lights(lights, sky->lights, weight);
 }
 
 DividedSky sum_of(std::span<const DividedSky> divided, std::span<const SkyPart> weights) {

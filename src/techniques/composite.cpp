@@ -56,6 +56,10 @@ void reflect(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, c
   }
   Reflections::In in{scene, surfaces.draws, surfaces.deformed, fog_alone(lighting.unoccluded())};
   in.lists.occlusion = lighting.occlusion;
+  if (lighting.occlusion.traced) {  // as the surfaces were shaded: rays for occlusion, and for no light
+    in.lists.rays = lighting.rays;
+    in.lists.rays.suns = in.lists.rays.lamps = false;
+  }
   in.keys = keys_of_middles(frame, scene, surfaces, "reflections", instance);
   if (is_traced)
     in.met = lights_off_camera(lighting);

@@ -67,10 +67,10 @@ void post(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces, cons
   const FrameRequest& request = frame.request;
   const bool is_mean = request.part.role == SubframePart::Role::mean;
   ImageHandle picture = radiance;
-  if (resolved)
+  if (resolved && scene.samples > 1)
     frame.builder.leave_out(std::string(Resolve::name),
                             "the surfaces' samples are resolved already (shade_visible, resolve.opaque)");
-  else if (!is_mean)
+  else if (!is_mean)  // of one sample the pass says itself why it is left out
     picture =
         newest(frame.add(Resolve{}, {radiance, scene.width_px, scene.height_px, scene.samples}).resolved, radiance);
   VolumetricLight::In volumetric{scene, picture, surfaces.looked_up, lighting.unoccluded()};

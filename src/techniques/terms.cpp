@@ -44,25 +44,29 @@ TermImages divide(Frame& frame, const SceneInputs& scene, const Surfaces& surfac
 LightGroupImages divide_lights(Frame& frame, const SceneInputs& scene, const Surfaces& surfaces,
                                const Lighting& lighting, const Composite& composite, std::string_view instance) {
   constexpr uint32_t most_images = term_count;  // that one pass draws to
-  const uint32_t count = uint32_t(frame.request.light_groups.size());
-  LightGroupImages images;
+  const std::vector<std::string>& groups = frame.request.light_groups;
+  const uint32_t count = uint32_t(groups.size());
+  LightGroupImages images(count);
   const std::string name = instance.empty() ? "lights" : fmt::format("{}.lights", instance);
   Terms::In in{scene, surfaces.visible, surfaces.deformed, lighting, {}, {}, {}, composite.seen, composite.depth};
   if (count > 0) in.depth = depth_of_hardware(frame, scene, surfaces, name);
   in.without_blended = stores_blended(frame);
-  for (in.first_group = 0; in.first_group < count; in.first_group += most_images) {
-    in.groups = std::min(count - in.first_group, most_images);
-    const std::string part = in.first_group == 0 ? name : fmt::format("{}{}", name, in.first_group);
+  // All, or the one that a picture shows.
+  uint32_t first = 0, end = count;
+  while (first < end && !frame.request.wants_light_group(groups[first])) ++first;
+  while (end > first && !frame.request.wants_light_group(groups[end - 1])) --end;
+  for (in.first_group = first; in.first_group < end; in.first_group += most_images) {
+    in.groups = std::min(end - in.first_group, most_images);
+    const std::string part = in.first_group == first ? name : fmt::format("{}{}", name, in.first_group);
     const TermImages some = frame.add(Terms{.of_lights = true}, in, part).images;
-    images.insert(images.end(), some.begin(), some.begin() + in.groups);
+    std::copy_n(some.begin(), in.groups, images.begin() + in.first_group);
   }
   if (!in.without_blended) return images;
   BlendedIn over{scene, surfaces.visible, surfaces.deformed, of_blended(lighting.unoccluded()), composite.depth, {}};
   if (over.lists.fog) over.lists.fog.light = FogLight::nothing;
   for (uint32_t g = 0; g < count; ++g) {
     over.color = images[g];
-    if (images[g])
-      images[g] = part_behind_blended(frame, over, Terms::stored_group(g), frame.request.light_groups[g], instance);
+    if (images[g]) images[g] = part_behind_blended(frame, over, Terms::stored_group(g), groups[g], instance);
   }
   return images;
 }
@@ -71,6 +75,7 @@ void publish_light_groups(Frame& frame, const SceneInputs& scene, const LightGro
   const SubframePart::Role role = frame.request.part.role;
   for (size_t g = 0; g < frame.request.light_groups.size(); ++g) {
     const std::string& layer = frame.request.light_groups[g];
+    if (!frame.request.wants_light_group(layer)) continue;
     if (role == SubframePart::Role::mean) {
       frame.builder.publish(layer, mean_of(frame, scene, layer));
       continue;

@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "base/files.h"
 #include "image/io.h"
 #include "program.h"
 
@@ -196,6 +197,28 @@ TEST_F(CliRegion, LightGroupsAreLayers) {
     ASSERT_TRUE(image);
     for (const char* layer : {"light_lamps.R", "light_shops.G", "light_rest.B"})
       EXPECT_NE(image->find(layer), nullptr) << command << " " << layer;
+    // Shown alone, and beside the file that holds all of them.
+    const auto shown = [&](const std::string& view, const std::string& file, Arguments outputs) {
+      Arguments these = words;
+      these[3] = folder / file;
+      these.insert(these.end(), {"--view", view});
+      these.insert(these.end(), outputs.begin(), outputs.end());
+      const Ended made = candela(these);
+      EXPECT_EQ(made.code, 0) << made.err;
+      return read_file(folder / file);
+    };
+    const auto alone = shown("light_lamps", name + "_alone.png", {});
+    ASSERT_TRUE(alone);
+    const std::string all = folder / (name + "_all.exr");
+    EXPECT_EQ(*shown("light_lamps", name + "_both.png", {"-o", all}), *alone) << command;
+    const auto beside = read_image(all);
+    ASSERT_TRUE(beside);
+    EXPECT_NE(beside->find("light_lamps.R"), nullptr) << command;
+    EXPECT_NE(*shown("light_rest", name + "_rest.png", {}), *alone) << command;
+    words.insert(words.end(), {"--view", "light_lmaps"});
+    const Ended unknown = candela(words);
+    EXPECT_EQ(unknown.code, 2);
+    EXPECT_NE(unknown.err.find("did you mean 'light_lamps'"), std::string::npos) << unknown.err;
   }
   refused({"--light-groups", "a"}, "write NAME=NODE,NODE");
 }

@@ -37,9 +37,11 @@ def wrapped(lines):
             while i < len(lines) and lines[i].strip() != "```":
                 out.append(lines[i])
                 i += 1
+            out += lines[i:i + 1]
+            i += 1
             continue
         code = line.startswith("    ") and (not out or not out[-1].strip() or out[-1].startswith("    "))
-        if line.strip() == "```" or not line.strip() or FIXED.match(line) or code:
+        if not line.strip() or FIXED.match(line) or code:
             out.append(line)
             continue
         item = ITEM.match(line)

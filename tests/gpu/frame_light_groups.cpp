@@ -1,6 +1,7 @@
 // Layers of the light of named groups of lights: their sum is the light of all, in every technique and in the
 // reference.
 #include "frame_fixture.h"
+#include "render/outputs.h"
 #include "render/reference_frame.h"
 #include "render/traced_frames.h"
 #include "techniques/technique.h"
@@ -128,6 +129,52 @@ TEST_F(FrameLightGroups, AreAsManyAsSixteen) {
     for (const glm::vec4& v : images[layer].values<glm::vec4>()) light += double(v.y);
     EXPECT_GT(light, 0) << layer;
   }
+}
+
+// Each as it looks where every group is drawn, and alone, with neither the other groups' images nor beauty's passes.
+TEST_F(FrameLightGroups, ArePicturesByView) {
+  Job job = job_of(scene_file());
+  job.dither = false;
+  const auto picture = [&](bool linear) {
+    const auto session = open(job, {.linear = linear, .display = true, .display_bits = 8});
+    const FrameResult frame = render(*session);
+    if (!linear) {
+      EXPECT_EQ(frame.outputs.size(), 1u);
+      for (const PlanResource& resource : frame.plan->resources)
+        for (size_t g = 0; g < groups.size(); ++g)
+          EXPECT_TRUE(groups[g] == job.view || resource.first_pass < 0 ||
+                      resource.name().find(fmt::format("group{}", g)) == std::string::npos)
+              << resource.name();
+    }
+    return display_image(frame, job).pixels;
+  };
+  // sRGB by IEC 61966-2-1.
+  const auto code = [](float linear) {
+    const double v = std::clamp(double(linear), 0.0, 1.0);
+    return 255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055);
+  };
+  for (const char* transparency : {"sorted", "layers"})
+    for (const std::string& group : groups) {
+      SCOPED_TRACE(group + " " + transparency);
+      job.transparency = transparency, job.view = "beauty";
+      const std::vector<glm::vec4> linear = images_of(job)[group].values<glm::vec4>();
+      job.view = group;
+      const std::vector<std::byte> alone = picture(false);
+      EXPECT_TRUE(alone == picture(true));
+      ASSERT_EQ(alone.size(), 3 * linear.size());
+      size_t lit = 0;
+      for (size_t i = 0; i < linear.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
+          const double seen = double(alone[3 * i + size_t(c)]);
+          lit += seen > 8;
+          ASSERT_NEAR(seen, code(linear[i][c]), 1.01) << i;
+        }
+      EXPECT_GT(lit, size_t(width * height) / 3);
+    }
+  job.view = "light_lamps", job.samples = 0, job.settings = {{"supersample", "n", "2"}};
+  EXPECT_TRUE(picture(false) == picture(true));
+  job.shutter_s = 1.0 / 48, job.settings = {{"subframes", "n", "2"}};
+  EXPECT_TRUE(picture(false) == picture(true));
 }
 
 TEST_F(FrameLightGroups, RefusesNodesThatGiveNoLight) {

@@ -152,6 +152,38 @@ TEST_F(FrameLookSky, BlendsTwoImages) {
   }
 }
 
+// Two images whose weights change with each frame are summed in memory that is there, into what no frame in flight
+// uses.
+TEST_F(FrameLookSky, AFilmOfTwoImagesAsksTheHeapForNothing) {
+  const auto day = [](glm::dvec3 d) { return glm::dvec3(2 + d.x, 2 + d.y, 2 + d.z); };
+  const auto night = [](glm::dvec3 d) { return glm::dvec3(1 - d.x, 1, 1 + d.z * d.y); };
+  const std::string first = write_sky("day", 32, day), second = write_sky("night", 32, night);
+  Job job = job_of(Body::metal, "");
+  job.effects = "ibl";
+  job.look = write_look(R"({"sky": {"image": ")" + first + R"(", "second": {"image": ")" + second +
+                        R"(", "weight": {"keys": [[0, 0.1], [1, 0.9]]}}}})");
+  std::vector<Images> frames[2];
+  for (const bool validate : {false, true}) {
+    RunSettings settings;
+    settings.validate = validate;  // the layer has memory of its own
+    settings.kept_bytes = uint64_t(64) << 20;
+    const auto film = Session::open(job, {.linear = true}, settings);
+    ASSERT_TRUE(film) << film.error().text();
+    for (int frame = 0; frame < 8; ++frame) {
+      const FrameResult result = render(**film, 0.1 * frame);
+      if (!validate && frame >= 5) EXPECT_EQ(result.timings.heap_allocations, 0u) << frame;
+      frames[validate].push_back(images(result));
+    }
+  }
+  EXPECT_EQ(frames[0], frames[1]);
+  for (const size_t frame : {size_t(5), size_t(7)}) {
+    const auto alone = open(job, {.linear = true});
+    ASSERT_TRUE(alone);
+    EXPECT_EQ(images(render(*alone, 0.1 * double(frame))), frames[0][frame]) << frame;
+    EXPECT_NE(frames[0][frame], frames[0][frame - 1]);
+  }
+}
+
 TEST_F(FrameLookSky, TheSecondSkyFollowsTheSun) {
   const std::string night = write_sky("night", 16, [](glm::dvec3) { return glm::dvec3(0, 0, 4); });
   const std::string look = R"({"sky": {"gradient": {"zenith": 1, "horizon": 1, "ground": 1},

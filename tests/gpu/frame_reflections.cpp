@@ -203,8 +203,8 @@ TEST_F(FrameReflections, AreNumbersWhateverTheFrame) {
   }
 }
 
-// Surfaces from keys in compute are those that the hardware draws again, and what they reflect is the same onto a
-// picture of samples and onto their mean; of as many samples as the frame has. Edges are the techniques' own.
+// Surfaces from keys in compute are those that the hardware draws again, but for last bits of depth, by which a march
+// through the picture may end elsewhere: so few pixels differ, and their sum does not.
 TEST_F(FrameReflections, KeyedSurfacesReflectWhatDrawnOnesDo) {
   for (const bool pane : {false, true}) {
     const std::string path = write(floor_and_wall(0.3, false, pane));
@@ -229,6 +229,21 @@ TEST_F(FrameReflections, KeyedSurfacesReflectWhatDrawnOnesDo) {
         EXPECT_LT(std::abs(sum), 1.0) << technique << " " << samples << (pane ? " pane" : "");
       }
     }
+  }
+}
+
+// Where occlusion is traced with the surfaces, reflections take away what is left of the sky and no more: no pixel is
+// darker than without light.
+TEST_F(FrameReflections, TakeNoMoreThanTracedOcclusionLeaves) {
+  const std::string path = write(floor_and_wall(0.3, false));
+  for (const char* technique : {"clustered", "visibility"}) {
+    Job job = seen(path);
+    job.technique = technique;
+    job.layers = {};
+    job.effects = "reflections,occlusion";
+    job.settings = {{"occlusion", "method", "traced"}, {"occlusion", "rays", "16"}};
+    for (const glm::vec4& v : images_of(job)["beauty"].values<glm::vec4>())
+      ASSERT_TRUE(v.x >= -1e-4f && v.y >= -1e-4f && v.z >= -1e-4f) << technique << " " << v.x;
   }
 }
 

@@ -179,6 +179,17 @@ TEST(CheckJob, SuggestsTheNearestName) {
   job = {};
   job.technique = "raytrace";
   EXPECT_NE(check_job(job).error().message.find("brute-force"), std::string::npos);
+  job = {};
+  job.light_groups = {{"lamps", {"Lamp*"}}};
+  job.view = "light_lmaps";
+  EXPECT_NE(check_job(job).error().message.find("did you mean 'light_lamps'"), std::string::npos);
+  EXPECT_NE(check_job(job).error().message.find("light_rest"), std::string::npos);
+  for (const char* view : {"light_lamps", "light_rest", "depth"}) {
+    job.view = view;
+    EXPECT_TRUE(check_job(job)) << view;
+  }
+  job.light_groups.clear(), job.view = "light_lamps";
+  EXPECT_FALSE(check_job(job));
   EXPECT_TRUE(check_job(Job{}));
 }
 

@@ -135,6 +135,59 @@ TEST(LampPool, AnyFrameThatFitsIsPlacedWhateverCameBefore) {
   }
 }
 
+// Of all places that a map may take the first whose maps no frame has used for the longest time, counted one by one.
+TEST(LampPool, TakesTheFirstOfThePlacesThatWereUnusedForTheLongestTime) {
+  constexpr uint32_t side = layer_px / 64;
+  constexpr uint64_t now = ~uint64_t(0);
+  const auto place_of = [](glm::uvec2 at) {  // along the curve
+    uint32_t place = 0;
+    for (uint32_t bit = 0; bit < 3; ++bit) place |= (at.x >> bit & 1) << (2 * bit) | (at.y >> bit & 1) << (2 * bit + 1);
+    return place;
+  };
+  Rng rng(7);
+  LampPool pool;
+  int taken = 0;
+  for (int frame = 0; frame < 400; ++frame) {
+    std::vector<LampMap> maps;
+    for (int i = 0; i < 6; ++i) {
+      maps.push_back(map_of(rng.next() % 300, 64u << rng.next() % 2));
+      maps.back().passing = rng.next() % 4 == 0;
+    }
+    maps = sorted(maps);
+    const PlacedLamps next = placed(pool, maps, 1);
+    if (!next.pool.fresh) {
+      std::vector<int> owner(side * side, -1);
+      std::vector<uint64_t> used;
+      for (const LampPool::Map& m : pool.maps) {
+        const bool is_now = std::ranges::any_of(maps, [&](const LampMap& map) { return map.key == m.key; });
+        for (uint32_t y = 0; y < m.size_px / 64; ++y)
+          for (uint32_t x = 0; x < m.size_px / 64; ++x)
+            owner[place_of(m.tile.origin_px / 64u + glm::uvec2(x, y))] = int(used.size());
+        used.push_back(is_now ? now : m.passing ? 1 : 2 * m.used);  // of what moves it does not count
+      }
+      for (const uint32_t drawn : next.drawn) {
+        const size_t run = size_t(maps[drawn].size_px / 64) * (maps[drawn].size_px / 64);
+        size_t best = 0;
+        uint64_t least = now;
+        for (size_t first = 0; first < owner.size(); first += run) {
+          uint64_t most = 0;
+          for (size_t i = first; i < first + run; ++i)
+            if (owner[i] >= 0) most = std::max(most, used[size_t(owner[i])]);
+          if (most < least) least = most, best = first;
+        }
+        ASSERT_EQ(place_of(next.tiles[drawn].origin_px / 64u), best) << frame;
+        for (size_t i = best; i < best + run; ++i)
+          if (const int gone = owner[i]; gone >= 0) std::ranges::replace(owner, gone, -1);
+        std::fill_n(owner.begin() + long(best), run, int(used.size()));
+        used.push_back(now);
+        ++taken;
+      }
+    }
+    pool = next.pool;
+  }
+  EXPECT_GT(taken, 1000);
+}
+
 TEST(LampPool, GrowsWithTheFramesAsFarAsItMay) {
   const std::vector<LampMap> one = {map_of(1, 512)}, two = {map_of(1, 512), map_of(2, 512)};
   const PlacedLamps a = placed({}, {map_of(9, 64)}, 8);

@@ -1,4 +1,5 @@
 #include "scene/instance_layout.h"
+#include "scene/largest_score.h"
 
 #include <gtest/gtest.h>
 

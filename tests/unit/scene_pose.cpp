@@ -8,6 +8,7 @@
 #include "gltf_builder.h"
 #include "math/transforms.h"
 #include "scene/moving_nodes.h"
+#include "scene/posed_parts.h"
 
 namespace candela {
 namespace {
@@ -337,6 +338,52 @@ TEST(Pointers, ValuesOutsideTheirRangeAreClampedWithAWarning) {
     EXPECT_NE(warning.find("animation 'a'"), std::string::npos) << warning;
   EXPECT_EQ(pose_at(scene, {channel(light_intensity, step, 1, {0}, {infinity})}, 0).lights[0].intensity, 0);
   EXPECT_EQ(pose_at(scene, {channel(material_ior, step, 1, {0}, {0})}, 0).materials[0].ior, 0);  // has its own meaning
+}
+
+// What an earlier time left is not seen, whatever the order of times.
+TEST(PosedParts, APoseThatIsEvaluatedAgainIsTheOneOfThatTime) {
+  Scene scene = two_nodes();
+  scene.materials.resize(2), scene.lights.resize(2), scene.cameras.resize(1);
+  scene.materials[1].roughness = 0.25f;
+  scene.lights[0].type = LightType::spot;
+  scene.nodes[0].mesh = 0, scene.nodes[0].weights = {0.5f, 0.25f};
+  scene.meshes.resize(1);
+  scene.meshes[0].sections.resize(1);
+  scene.meshes[0].sections[0].morph.resize(2);
+  using enum TargetPath;
+  const auto linear = Interpolation::linear, step = Interpolation::step;
+  scene.animations = {
+      {"a",
+       {channel(node_translation, linear, 3, {1, 2}, {1, 0, 0, 3, 0, 0}),
+        channel(node_visible, step, 1, {2, 3}, {1, 0}), channel(node_rotation, linear, 4, {0, 4}, about_z({0, 1}), 1),
+        channel(node_weights, linear, 1, {2, 3}, {0, 1}, 0, 1),
+        channel(material_roughness, linear, 1, {0, 1}, {0, 0.5f}),
+        channel(light_intensity, step, 1, {0, 2, 3}, {5, -3, 7}),
+        channel(light_outer_cone, linear, 1, {3, 4}, {0.5f, 0.1f}), channel(light_inner_cone, step, 1, {0}, {0.2f}),
+        channel(camera_yfov, linear, 1, {1, 3}, {0.5f, 1})},
+       4}};
+  const PosedParts parts = posed_parts(scene, {{0}});
+  PoseState state;
+  Pose again;
+  size_t warned = 0;
+  for (const double t : {0.0, 0.5, 1.5, 1.6, 3.5, 3.9, 5.0, 6.0, 2.5, 2.6, 1.0, 0.0, 9.0, 9.5}) {
+    evaluate_pose(scene, parts, t, state, again);
+    const Pose alone = evaluate_pose(scene, {{0}}, t);
+    EXPECT_EQ(again.time_s, t);
+    EXPECT_EQ(again.world_from_node, alone.world_from_node) << t;
+    EXPECT_EQ(again.node_visible, alone.node_visible) << t;
+    EXPECT_EQ(again.node_weights, alone.node_weights) << t;
+    for (size_t m = 0; m < 2; ++m) EXPECT_EQ(again.materials[m].roughness, alone.materials[m].roughness) << t;
+    for (size_t l = 0; l < 2; ++l) {
+      EXPECT_EQ(again.lights[l].intensity, alone.lights[l].intensity) << t;
+      EXPECT_EQ(again.lights[l].inner_cone_rad, alone.lights[l].inner_cone_rad) << t;
+      EXPECT_EQ(again.lights[l].outer_cone_rad, alone.lights[l].outer_cone_rad) << t;
+    }
+    EXPECT_EQ(again.cameras[0].yfov_rad, alone.cameras[0].yfov_rad) << t;
+    EXPECT_EQ(again.warnings, alone.warnings) << t;
+    warned += alone.warnings.size();
+  }
+  EXPECT_GT(warned, 4u) << "cones and an intensity below zero are told of at each time";
 }
 
 }  // namespace

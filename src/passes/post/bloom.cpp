@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "base/scratch.h"
+
 namespace candela {
 namespace {
 
@@ -24,13 +26,12 @@ Steps steps_of(const BloomPass& pass, const BloomPass::In& in) {
 
 // Levels that the pyramid does not have are drawn as wide as its last. Their sum is 1, so that no sum of levels is
 // beyond floats.
-std::vector<float> weights_of(const Steps& steps, const Bloom& look) {
-  std::vector<float> weights(steps.levels > 0 ? steps.levels : look.weights.size(), 0);
+void find_weights(const Steps& steps, const Bloom& look, ScratchVector<float>& weights) {
+  weights.assign(steps.levels > 0 ? steps.levels : look.weights.size(), 0.0f);
   double sum = 0;
   for (const double w : look.weights) sum += w;
   for (size_t k = 0; k < look.weights.size(); ++k)
     weights[std::min(k, weights.size() - 1)] += float(look.weights[k] / sum);
-  return weights;
 }
 
 ImageHandle source_of(const BloomPass::In& in) { return in.look->of_emission ? in.source : in.color; }
@@ -174,7 +175,9 @@ BloomPass::Out BloomPass::declare(GraphBuilder& builder, const In& in) const {
 void BloomPass::record(CommandList& commands, const In& in, const Out& out) const {
   const Steps steps = steps_of(*this, in);
   const uint32_t step = commands.step(), composite = steps.composite();
-  const std::vector<float> weights = weights_of(steps, *in.look);
+  Scratch scratch;
+  ScratchVector<float> weights(&scratch);
+  find_weights(steps, *in.look, weights);
   const float threshold = float(in.look->threshold) / *in.exposure, knee = float(in.look->knee) / *in.exposure;
   const glm::uvec2 full{in.width_px, in.height_px};
   commands.bind(out.pipelines[step]);

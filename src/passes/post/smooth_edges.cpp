@@ -7,6 +7,16 @@ namespace candela {
 
 std::span<const Knob> SmoothEdges::Knobs::table() {
   static const Knob table[] = {
+      {.name = "method",
+       .member = &Knobs::method,
+       .lowest = 0,
+       .highest = 1,
+       .levels = {shape},
+       .description = "shape: by the lines that edges stand for; contrast: what looks like an edge is softened, with "
+                      "fewer reads and more left, most of all at long edges",
+       .choices = {"shape", "contrast"},
+       .sweep = {contrast, shape},
+       .required = "smooth_edges.reach_px=32"},
       {.name = "reach_px",
        .member = &Knobs::reach_px,
        .unit = "px",
@@ -44,6 +54,11 @@ SmoothEdges::Out SmoothEdges::declare(GraphBuilder& builder, const In& in) const
     return builder.pipeline(ComputePipelineDesc{"smooth_edges.comp", {{0, "STEP", step}}});
   };
   Out out;
+  if (knobs.method == Knobs::contrast) {
+    out.color = builder.write(image("edges.smooth", color_format), Access::storage_image_write);
+    out.pipelines[0] = pipeline(3);
+    return out;
+  }
   builder.begin_step();
   out.edges = builder.write(image("edges", VK_FORMAT_R8G8_UNORM), Access::storage_image_write);
   out.pipelines[0] = pipeline(0);
@@ -60,11 +75,12 @@ SmoothEdges::Out SmoothEdges::declare(GraphBuilder& builder, const In& in) const
 
 void SmoothEdges::record(CommandList& commands, const In& in, const Out& out) const {
   const uint32_t step = commands.step();
+  const bool last = knobs.method == Knobs::contrast || step == 2;
   commands.bind(out.pipelines[step]);
   shared::SmoothEdgesPush push{};
   push.color = commands.sampled(in.color);
   if (step > 0) push.source = commands.sampled(step == 1 ? out.edges : out.parts);
-  push.target = commands.storage(step == 0 ? out.edges : step == 1 ? out.parts : out.color);
+  push.target = commands.storage(last ? out.color : step == 0 ? out.edges : out.parts);
   push.size_px = {in.width_px, in.height_px};
   push.reach_px = uint32_t(knobs.reach_px);
   push.threshold = knobs.threshold;

@@ -9,13 +9,17 @@ namespace candela {
 // areas by their formula in the place of a table (Reshetov, "Morphological Antialiasing", 2009). Three steps: edges
 // between pixels whose exposed luminance differs; for each edge its two ends and what crosses it there, which say where
 // the line it stands for runs and which part of the pixels beside it that covers; the pixels mixed by these parts.
-// Linear radiance in and out, alpha with it. Leaves wrong: what one sample a pixel missed (thin things, shading, edges
-// within a pixel) it cannot know.
+// Or, in one step that reads less and leaves more, by contrast (Lottes, "FXAA", 2009): at a pixel that differs from its
+// neighbours the direction of the edge is told by them, its ends are looked for by the mean of both sides, the pixel
+// takes in what lies across the edge by where it is between the ends, and what stands alone is mixed with what is round
+// it. Linear radiance in and out, alpha with it. Leaves wrong: what one sample a pixel missed (thin things, shading,
+// edges within a pixel) it cannot know.
 struct SmoothEdges {
   static constexpr std::string_view name = "smooth_edges";
   struct Knobs {
     static constexpr std::string_view name = "smooth_edges";
-    int reach_px = 0;
+    enum Method { shape, contrast };
+    int method = shape, reach_px = 0;
     float threshold = 0.1f;
     static std::span<const Knob> table();
   };
@@ -28,7 +32,7 @@ struct SmoothEdges {
     ImageHandle edges, parts, color;
     std::array<PipelineHandle, 3> pipelines;
   };
-  bool ignores(std::string_view knob) const { return knob == "threshold" && knobs.reach_px == 0; }
+  bool ignores(std::string_view knob) const { return knob != "reach_px" && knobs.reach_px == 0; }
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;
   void record(CommandList& commands, const In& in, const Out& out) const;

@@ -1,14 +1,15 @@
 #include "passes/shared/frame_request.h"
 
-#include <algorithm>
-
-#include "base/text.h"
-
 namespace candela {
 
 bool FrameRequest::names_effect(std::string_view effect) const {
-  const std::vector<std::string> names = split(effects, ',');
-  return std::find(names.begin(), names.end(), effect) != names.end();
+  const std::string_view names = effects;
+  for (size_t begin = 0;;) {
+    const size_t end = names.find(',', begin);
+    if (names.substr(begin, end == names.npos ? end : end - begin) == effect) return true;
+    if (end == names.npos) return false;
+    begin = end + 1;
+  }
 }
 
 }  // namespace candela

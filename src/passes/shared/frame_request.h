@@ -86,6 +86,8 @@ struct FrameRequest {
   bool wants_term(std::string_view name) const {
     return has_layer(name) || (name == "emission" && look.bloom && look.bloom->of_emission && draws_bloom());
   }
+  // The light of a named group of lights: EXR has all of them, a picture the one that it shows.
+  bool wants_light_group(std::string_view layer) const { return want_linear || layer == view; }
   bool wants_motion() const { return has_layer("motion") || motion_share > 0; }
   bool draws_fog() const { return look.fog && wants_looked("fog", true); }
   bool draws_probes() const { return !look.probes.empty() && wants_looked("probes", true); }

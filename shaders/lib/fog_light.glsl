@@ -55,7 +55,8 @@ const float FOG_SPREAD = 1.5;
 // slice, haze behind roofs at low sun ends in blotches the size of the grid's cells.
 const int FOG_SUN_POINTS = 4;
 const vec3 fog_sun_points[FOG_SUN_POINTS] =
-    vec3[](vec3(-0.125, -0.375, 0.125), vec3(0.125, 0.375, 0.375), vec3(0.375, -0.125, 0.625), vec3(-0.375, 0.125, 0.875));
+    vec3[](vec3(-0.125, -0.375, 0.125), vec3(0.125, 0.375, 0.375), vec3(0.375, -0.125, 0.625),
+        vec3(-0.375, 0.125, 0.875));
 #endif
 
 // Integral of a lamp's inverse square over a stretch of a ray, from a to b metres beyond where the ray passes the lamp

@@ -19,11 +19,14 @@ float trace_own_relief(TracePoint from, TraceRay ray) {
   const vec3 at = vec3(dot(row[0], q), dot(row[1], q), dot(row[2], q));
   const vec3 by = vec3(dot(row[0], direction), dot(row[1], direction), dot(row[2], direction));
   float end = min(ray.t_max, RELIEF_FARTHEST / max(max(abs(by.x), abs(by.y)), 1e-30));
-  if (by.z > 0.0) end = min(end, (1.0 - at.z) / by.z);
+  const float down = by.z > 0.0 ? (1.0 - at.z) / by.z : TRACE_FAR;
+  end = min(end, down);
   const float through = by.z < 0.0 ? -at.z / by.z : TRACE_FAR;
   end = min(end, through);
   if (!(end > 0.0)) return -1.0;
-  const ReliefMet met = relief_between(r, at, at + end * by, false, 0.0);
+  vec3 to = at + end * by;
+  if (end == down) to.z = 1.0;  // as trace_relief
+  const ReliefMet met = relief_between(r, at, to, false, 0.0);
   if (!met.met && end == through)
     trace_left = LeftRelief(from.relief.item, from.relief.primitive, from.relief.instance);
   const vec3 way = met.at - at;

@@ -39,7 +39,8 @@ bool trace_relief(TraceScene s, TraceItem item, TraceTriangle triangle, vec3 dir
   const float through = 1.0 / by.z, begin = t_min - h.t;  // t from the plane to the floor; that of the ray's begin
   ReliefMet met;
   if (through > 0.0) {
-    met = relief_between(r, entry, entry + through * by, true, 0.0);
+    // The floor itself, which a product's rounding may fall short of: heights of 1 lie there.
+    met = relief_between(r, entry, vec3(entry.xy + through * by.xy, 1.0), true, 0.0);
   } else if (through < begin) {
     if (h.item == trace_left.item && h.primitive == trace_left.primitive && h.instance == trace_left.instance)
       return false;

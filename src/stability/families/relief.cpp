@@ -11,10 +11,15 @@ struct Wall {
   int texels = 16;
   glm::dvec2 uv_repeat{1, 1};
   glm::dvec3 scale{1, 1, 1};
-  bool silhouettes = true, uvs = true;
+  bool silhouettes = true, uvs = true, lit = true;
   double even = -1;  // a height that all texels have; below 0: hills
 };
 
+json without_light(GlbWriter& out, json material) {
+  out.use_extension("KHR_materials_unlit");
+  material["extensions"]["KHR_materials_unlit"] = json::object();
+  return material;
+}
 json relief_material(GlbWriter& out, const Wall& wall) {
   out.use_extension("CANDELA_relief");
   const int heights = out.texture("heights", png_from(wall.texels, wall.texels, 3, [&](double u, double v) {
@@ -25,7 +30,7 @@ json relief_material(GlbWriter& out, const Wall& wall) {
   material["doubleSided"] = false;
   material["extensions"]["CANDELA_relief"] = {
       {"heightTexture", {{"index", heights}}}, {"depth", wall.depth}, {"silhouettes", wall.silhouettes}};
-  return material;
+  return wall.lit ? material : without_light(out, material);
 }
 void put_wall(GlbWriter& out, const Wall& wall, glm::dvec3 at) {
   Shape shape = quad(2, 2, wall.uv_repeat);
@@ -59,6 +64,26 @@ json flat_material() {
   material["doubleSided"] = false;
   return material;
 }
+StabilityScene by_sample(StabilityScene scene) {
+  scene.job.samples = 4;
+  scene.job.settings.push_back({"relief", "by_sample", "1"});
+  scene.reference = false;  // which is asked at pixels' centres
+  return scene;
+}
+// A wall whose heights are all 1, beside the flat square that is seen of its floor through the wall's own: what the eye
+// projects of that on the plane below, as far as the texture coordinates go. Without light: outlines alone differ.
+StabilityScene even_by_sample(double depth, glm::dvec3 eye, glm::dvec3 target) {
+  const auto below = [&](double end, double of_eye) { return end + (end - of_eye) * depth / eye.z; };
+  const glm::dvec2 low(std::max(-1.0, below(-1, eye.x)), std::max(-1.0, below(-1, eye.y))),
+      high(std::min(1.0, below(1, eye.x)), std::min(1.0, below(1, eye.y)));
+  const glm::dvec2 middle = 0.5 * (low + high), size = high - low;
+  return by_sample(wall_alike(
+      {.depth = depth, .lit = false, .even = 1}, eye, target,
+      [&](GlbWriter& out) {
+        place(out, quad(size.x, size.y), without_light(out, flat_material()), {middle.x, middle.y, -depth});
+      },
+      1e-3));
+}
 
 }  // namespace
 
@@ -71,6 +96,12 @@ void add_relief(Recipes& all) {
   add("grazing", "the same, two degrees off its plane", [] { return wall_alone({}, {2, -0.2, 0.07}, {0, 0, 0}); });
   add("grazing, without an end", "the same without silhouettes", [] {
     return wall_alone({.silhouettes = false}, {2, -0.2, 0.07}, {0, 0, 0});
+  });
+  add("grazing, by sample", "six degrees off its plane, four samples a pixel that meet it for themselves", [] {
+    return by_sample(wall_alone({}, {2, -0.3, 0.2}, {0, 0, 0}));
+  });
+  add("even and grazing, by sample", "a wall that is even, ten degrees off: each sample tells its outline", [] {
+    return even_by_sample(0.25, {2, -0.3, 0.35}, {0, 0, -0.1});
   });
   add("depth 0", "is the flat wall", [=] {
     return wall_alike(

@@ -62,7 +62,8 @@ int add_sampler(GlbWriter& out, std::span<const double> times_s, std::span<const
     out.root["animations"] =
         json::array({{{"name", "main"}, {"channels", json::array()}, {"samplers", json::array()}}});
   json& samplers = out.root["animations"][0]["samplers"];
-  const int input = out.float_accessor(times_s, 1, true), output = out.float_accessor(values, components);
+  const int input = out.shared_float_accessor({times_s.begin(), times_s.end()}, 1, true),
+            output = out.shared_float_accessor({values.begin(), values.end()}, components);
   samplers.push_back({{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
   return int(samplers.size()) - 1;
 }

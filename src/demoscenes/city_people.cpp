@@ -158,7 +158,7 @@ class People {
     }
   }
 
-  // Along the sides of a block, in the middle of the pavement; every third turns at the corner.
+  // Along the sides of a block, in the middle of the pavement; every sixth turns at the corner.
   void make() {
     for (int c = 0; c < block_columns; ++c)
       for (int r = 0; r < block_rows; ++r)
@@ -180,7 +180,7 @@ class People {
             if (!is_clear_of_camera(walk)) continue;
             walk.scale = town_.rng.uniform(0.94, 1.06);
             const auto turn_s = turn_times_s[next_ / 3 % turn_times_s.size()];
-            if (next_ % 3 == 1) {
+            if (next_ % 6 == 1) {
               Walk turning = walk;
               turning.turn = {turn_s * walk.speed_m_s, turn_radius_m / walk.scale, right ? 1.0 : -1.0};
               // The middle of the pavement of the next side is as far from the block's middle as here.

@@ -94,6 +94,12 @@ int GlbWriter::float_accessor(std::span<const double> values, int components, bo
   return index;
 }
 
+int GlbWriter::shared_float_accessor(const std::vector<double>& values, int components, bool with_bounds) {
+  const auto [place, is_new] = shared_.try_emplace({components, with_bounds, values}, 0);
+  if (is_new) place->second = float_accessor(values, components, with_bounds);
+  return place->second;
+}
+
 int GlbWriter::vec3_accessor(std::span<const glm::dvec3> values, bool with_bounds) {
   std::vector<double> flat;
   for (glm::dvec3 v : values) flat.insert(flat.end(), {v.x, v.y, v.z});

@@ -3,10 +3,12 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "testscenes/procedural_shapes.h"
@@ -33,6 +35,8 @@ class GlbWriter {
   json root;
 
   int float_accessor(std::span<const double> values, int components, bool with_bounds = false);
+  // The same, once for equal values: of animations, whose channels share their times.
+  int shared_float_accessor(const std::vector<double>& values, int components, bool with_bounds = false);
   int vec3_accessor(std::span<const glm::dvec3> values, bool with_bounds = false);
   int mat4_accessor(std::span<const glm::dmat4> values);
   int index_accessor(std::span<const uint32_t> index);       // unsigned short where they fit
@@ -70,6 +74,7 @@ class GlbWriter {
                           std::span<const double> values, int components);
 
   std::vector<std::byte> binary_;
+  std::map<std::tuple<int, bool, std::vector<double>>, int> shared_;
 };
 
 }  // namespace candela

@@ -110,15 +110,15 @@ void main() {
     begin_keyed(pixel);
     seen = keyed_left;
     if (seen != 0u) first_triangle = take_triangle(first_covered, first_place);
-    uint items[SHARED - 1];
+    uint own_items[SHARED - 1];
     for (; keyed_left != 0u; ++more) {
       uint covered;
       vec2 place;
       take_triangle(covered, place);
-      items[more] = mine | covered << 8;
+      own_items[more] = mine | covered << 8;
     }
     if (more != 0u) first_more = atomicAdd(more_count, more);
-    for (uint i = 0u; i < more; ++i) more_items[first_more + i] = items[i];
+    for (uint i = 0u; i < more; ++i) more_items[first_more + i] = own_items[i];
   }
   barrier();
 #ifdef WHOLE
@@ -133,8 +133,8 @@ void main() {
 #endif
   }
   // The pixel's own first triangle, and then what there is more of in the group.
-  const uint items = GROUP + more_count;
-  for (uint i = mine; i < items; i += GROUP) {
+  const uint all_items = GROUP + more_count;
+  for (uint i = mine; i < all_items; i += GROUP) {
     const bool is_first = i < GROUP;
     uint covered = first_covered, triangle = first_triangle;
     vec2 place = first_place;

@@ -83,7 +83,7 @@ struct Shaded {
 // Everything that is not an opaque or masked surface, over and behind them, in order, and what the surfaces reflect of
 // each other. `shaded` may be empty.
 struct Composite {
-  ImageHandle radiance;   // linear, with premultiplied alpha, multisampled where the request is
+  ImageHandle radiance;   // linear, with premultiplied alpha, multisampled where the request is, unless `resolved`
   ImageHandle depth;      // of the surfaces, and of those that let light through
   SeenThrough seen;       // by these
   Reflected reflected;    // empty: surfaces reflect the sky alone

@@ -4,7 +4,8 @@
 
 namespace candela {
 
-// What reflections found, as what adds them to pictures takes it (shaders/reflections_over.frag). Not a pass.
+// What reflections found, as what adds them to pictures takes it (shaders/lib/reflections_over.glsl). Not a
+// pass.
 struct Reflected {
   using MadeBy = std::tuple<ReflectionKnobs>;
   ImageHandle

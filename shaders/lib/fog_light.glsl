@@ -1,10 +1,11 @@
 #pragma once
 // Light that fog scatters once into a ray of the camera, slice by slice. In each slice the medium's part is exact: the
-// integral of density and transmittance. What light arrives there is taken at one point, but for the maps of suns, which
-// are asked at four (fog_sun_over), and for the inverse square of lamps: its mean over the slice has a closed form (the integral of 1/d2 along a line is an angle over the line's
-// distance from the lamp), and the point is the one in the middle of that angle (Kulla and Fajardo, "Importance
-// Sampling Techniques for Path Tracing in Participating Media", 2012). So a lamp's glow is right in slices far thicker
-// than it. Where a slice is opaque the mean is over as much of it as is seen.
+// integral of density and transmittance. What light arrives there is taken at one point, but for two things: the maps
+// of suns are asked at four points (fog_sun_over), and the inverse square of lamps is its mean over the slice, which
+// has a closed form (the integral of 1/d2 along a line is an angle over the line's distance from the lamp); the point
+// is the one in the middle of that angle (Kulla and Fajardo, "Importance Sampling Techniques for Path Tracing in
+// Participating Media", 2012). So a lamp's glow is right in slices far thicker than it. Where a slice is opaque the
+// mean is over as much of it as is seen.
 //
 // Needs lib/frame.glsl, lib/fog_ray.glsl, and pc.lights, pc.light_cells, pc.light_entries, pc.light_tiles. With FOG_SUN
 // pc.suns and pc.sun_maps as well, with FOG_LAMP_SHADOWS (points of a slice, at least, at which a lamp's maps are

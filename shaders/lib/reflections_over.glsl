@@ -50,15 +50,17 @@ void find_reflected(ivec2 pixel, out vec3 gained, out vec3 taken) {
     const vec4 sky = texelFetch(pass_images[pc.at.sky], pixel, 0);
     gained = fraction * light.rgb;
     taken = sky.rgb * max(sky.a - min(sky.a, 1.0 - light.a), 0.0);
-    // Of the pixel's samples, as many as are of this surface.
+    // Of the pixel's samples, as many as are of this surface: within a quarter of what a pixel is wide there of its
+    // plane. More would take from a wall what the floor before it has of the sky.
     if (SAMPLES > 1) {
+      const float pixel_m = (frame.perspective != 0u ? -p.z : 1.0) * 2.0 * frame.tan_half.y / float(frame.size_px.y);
       float of_surface = 0.0;
       for (int s = 0; s < SAMPLES; ++s) {
         const float d = frame_depth(pixel, s, SAMPLES);
         if (!(d > 0.0)) continue;
         const vec2 place = vec2(pixel) + sample_place_px(SAMPLES, uint(s));
         const vec3 q = occlusion_position(place, metres_of(d), pc.subsample_ndc);
-        if (occlusion_likeness(q, p, plane) > 0.5) of_surface += 1.0 / float(SAMPLES);
+        if (abs(dot(plane, q - p)) <= 0.25 * pixel_m) of_surface += 1.0 / float(SAMPLES);
       }
       gained *= of_surface;
       taken *= of_surface;

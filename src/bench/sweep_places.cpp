@@ -172,8 +172,10 @@ class KnobSweeps {
   void sweep_knob(SweepPlace& place, const Configuration& exact, const KnobRow& knob, const Work& exact_work,
                   NotSwept& not_swept) {
     const std::string name = knob.pass + "." + knob.knob;
-    const std::set<std::string>& kept = work_beside(place, exact, knob, exact_work).passes;
-    if (std::ranges::none_of(knob.passes, [&](const std::string& pass) { return kept.contains(pass); })) {
+    const auto holds_it = [&](const Work& work) {
+      return std::ranges::any_of(knob.passes, [&](const std::string& pass) { return work.passes.contains(pass); });
+    };
+    if (!holds_it(work_beside(place, exact, knob, exact_work))) {
       not_swept.unused.push_back(name);
       return;
     }
@@ -194,7 +196,8 @@ class KnobSweeps {
     }
     if (works.size() == 1) skipped = {name};
     not_swept.same.insert(not_swept.same.end(), skipped.begin(), skipped.end());
-    if (works.size() > 1)
+    // Where the exact end is without the passes, the knob's own exact value beside what it requires is its last row.
+    if (works.size() > 1 && holds_it(exact_work))
       exact_points(place, exact.job.technique).push_back({name, knob.value_now, knob.kind, knob.passes});
   }
 

@@ -17,7 +17,7 @@ class FrameReflections : public FrameTest {
  protected:
   // A metal floor of half size 2 at y = 0, an unlit wall behind it from y = 0 to 4 at z = -2. `lamp`: a light that
   // gives next to nothing, which keeps the neutral light away: then there is no ambient light.
-  static GltfBuilder floor_and_wall(double roughness, bool lamp, bool pane = false) {
+  static GltfBuilder floor_and_wall(double roughness, bool lamp, bool pane = false, glm::dvec3 of_wall = wall_colour) {
     GltfBuilder b = empty_scene();
     use_materials(b);
     const double h = std::sqrt(0.5);
@@ -26,8 +26,7 @@ class FrameReflections : public FrameTest {
     metal["pbrMetallicRoughness"]["roughnessFactor"] = roughness;
     const int floor = add_square_mesh(b, 2, add_material(b, metal));
     add_node(b, {{"mesh", floor}, {"rotation", {-h, 0, 0, h}}});
-    const int wall =
-        add_square_mesh(b, 2, add_material(b, unlit_material(wall_colour.x, wall_colour.y, wall_colour.z)));
+    const int wall = add_square_mesh(b, 2, add_material(b, unlit_material(of_wall.x, of_wall.y, of_wall.z)));
     add_node(b, {{"mesh", wall}, {"translation", {0, 2, -2}}});
     if (pane) {
       Json glassy = unlit_material(0.9, 0.2, 0.1, 0.5);
@@ -244,6 +243,20 @@ TEST_F(FrameReflections, TakeNoMoreThanTracedOcclusionLeaves) {
     job.settings = {{"occlusion", "method", "traced"}, {"occlusion", "rays", "16"}};
     for (const glm::vec4& v : images_of(job)["beauty"].values<glm::vec4>())
       ASSERT_TRUE(v.x >= -1e-4f && v.y >= -1e-4f && v.z >= -1e-4f) << technique << " " << v.x;
+  }
+}
+
+// At a contact edge the samples of a black wall have nothing that could be taken away.
+TEST_F(FrameReflections, TakeNothingFromTheWallAtAContact) {
+  const std::string path = write(floor_and_wall(0.3, false, false, {0, 0, 0}));
+  for (const char* technique : {"clustered", "visibility"}) {
+    Job job = seen(path, 4);
+    job.technique = technique;
+    job.layers = {};
+    float least = 0, most = 0;
+    for (const glm::vec4& v : images_of(job)["beauty"].values<glm::vec4>())
+      least = std::min(least, v.x), most = std::max(most, v.x);
+    EXPECT_GT(least, -0.01f * most) << technique;
   }
 }
 

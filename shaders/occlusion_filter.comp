@@ -10,44 +10,90 @@ layout(push_constant, scalar) uniform Push { OcclusionFilterPush pc; };
 #include "lib/image_kinds.glsl"
 #include "lib/occlusion_points.glsl"
 #include "lib/openness.glsl"
-layout(local_size_x = 64, local_size_y = 1) in;
+layout(local_size_x = occlusion_filter_x, local_size_y = occlusion_filter_y) in;
 layout(constant_id = 0) const int SHAPE = 257;
+// Side of the square of texels, `stride` apart, that a thread makes: 2 where strides are 1 or 4. They share their taps,
+// each of which is fetched and unpacked once.
+layout(constant_id = 1) const int BLOCK = 2;
 
 // Variance of fractions within which a texel counts as alike, before it is divided by the noise's fall.
 const float LEAST_VARIANCE = 0.1;
 
+struct Target {
+  vec4 middle;
+  vec3 p, n;
+  float own, unlike;
+  vec2 open;    // sums: of the fraction, and of the mirror direction
+  vec2 bright;  // of all the sky, and of what is open
+  float weights;
+};
+Target targets[4];
+ivec2 first;
+
+// What a texel x, y strides from a target counts for it.
+struct Tap {
+  vec3 q, facing;
+  vec2 there, bright;
+};
+void add(inout Target target, Tap tap, int x, int y) {
+  const int across = abs(x), down = abs(y);
+  if (across > 2 || down > 2) return;
+  const float off = tap.there.x - target.own;
+  const float w = (across == 2 ? 0.5 : 1.0) * (down == 2 ? 0.5 : 1.0) * occlusion_likeness(tap.q, target.p, target.n) *
+      exp2(OCCLUSION_TURN * (dot(target.n, tap.facing) - 1.0) - target.unlike * off * off);
+  if (!(w > 0.0)) return;
+  target.open += w * tap.there;
+  target.bright += w * tap.bright;
+  target.weights += w;
+}
+
+// x, y: strides from the first target.
+void take(int x, int y) {
+  const ivec2 other = first + pc.stride * ivec2(x, y);
+  if (any(lessThan(other, ivec2(0))) || any(greaterThanEqual(other, ivec2(pc.texels)))) return;
+  const vec4 o = texelFetch(pass_images[pc.open], other, 0);
+  if (!(o.y > 0.0)) return;
+  const Tap tap = Tap(occlusion_point(other, o.y, SHAPE, pc.subsample_ndc),
+      unpack_normal(texelFetch(pass_uint_images[pc.normals], other, 0).r), unpack_open(o.x), o.zw);
+  add(targets[0], tap, x, y);
+  if (BLOCK == 1) return;
+  add(targets[1], tap, x - 1, y);
+  add(targets[2], tap, x, y - 1);
+  add(targets[3], tap, x - 1, y - 1);
+}
+
 void main() {
-  const ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThanEqual(uvec2(texel), pc.texels))) return;
-  const vec4 middle = texelFetch(pass_images[pc.open], texel, 0);
-  vec2 open = vec2(0.0);    // of the fraction, and of the mirror direction
-  vec2 bright = vec2(0.0);  // of all the sky, and of what is open
-  float weights = 0.0;
-  if (middle.y > 0.0) {
-    const vec3 p = occlusion_point(texel, middle.y, SHAPE, pc.subsample_ndc);
-    const vec3 n = unpack_normal(texelFetch(pass_uint_images[pc.normals], texel, 0).r);
-    const float own = unpack_open(middle.x).x;
-    const float unlike = pc.sharpness / max(own * (1.0 - own), LEAST_VARIANCE);
-    for (int y = -2; y <= 2; ++y)
-      for (int x = -2; x <= 2; ++x) {
-        const ivec2 other = texel + pc.stride * ivec2(x, y);
-        if (any(lessThan(other, ivec2(0))) || any(greaterThanEqual(other, ivec2(pc.texels)))) continue;
-        const vec4 o = texelFetch(pass_images[pc.open], other, 0);
-        if (!(o.y > 0.0)) continue;
-        const vec3 q = occlusion_point(other, o.y, SHAPE, pc.subsample_ndc);
-        const vec3 facing = unpack_normal(texelFetch(pass_uint_images[pc.normals], other, 0).r);
-        const vec2 there = unpack_open(o.x);
-        const float off = there.x - own;
-        const float w = (abs(x) == 2 ? 0.5 : 1.0) * (abs(y) == 2 ? 0.5 : 1.0) * occlusion_likeness(q, p, n) *
-            exp2(OCCLUSION_TURN * (dot(n, facing) - 1.0) - unlike * off * off);
-        if (!(w > 0.0)) continue;
-        open += w * there;
-        bright += w * o.zw;
-        weights += w;
-      }
+  const ivec2 thread = ivec2(gl_GlobalInvocationID.xy);
+  first = BLOCK == 1 ? thread : pc.stride == 1 ? 2 * thread : 8 * (thread >> 2) + (thread & 3);
+  bool any_surface = false;
+  for (int i = 0; i < 4; ++i) {
+    const ivec2 texel = min(first + pc.stride * ivec2(i & 1, i >> 1), ivec2(pc.texels) - 1);
+    targets[i] = Target(vec4(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0, vec2(0.0), vec2(0.0), 0.0);
+    if (i >= BLOCK * BLOCK) continue;
+    targets[i].middle = texelFetch(pass_images[pc.open], texel, 0);
+    targets[i].p = occlusion_point(texel, targets[i].middle.y, SHAPE, pc.subsample_ndc);
+    targets[i].n = unpack_normal(texelFetch(pass_uint_images[pc.normals], texel, 0).r);
+    targets[i].own = unpack_open(targets[i].middle.x).x;
+    targets[i].unlike = pc.sharpness / max(targets[i].own * (1.0 - targets[i].own), LEAST_VARIANCE);
+    any_surface = any_surface || targets[i].middle.y > 0.0;
   }
-  const bool known = weights > 0.0;
-  imageStore(storage_images[pc.smooth_open], texel,
-      vec4(known ? pack_open(open.x / weights, open.y / weights) : middle.x, middle.y,
-          known ? bright / weights : middle.zw));
+  if (any_surface)
+    for (int y = -2; y < BLOCK + 2; ++y) {
+      take(-2, y);
+      take(-1, y);
+      take(0, y);
+      take(1, y);
+      take(2, y);
+      if (BLOCK == 2) take(3, y);
+    }
+  for (int i = 0; i < BLOCK * BLOCK; ++i) {
+    const ivec2 texel = first + pc.stride * ivec2(i & 1, i >> 1);
+    if (any(greaterThanEqual(texel, ivec2(pc.texels)))) continue;
+    const vec4 middle = targets[i].middle;
+    const float weights = targets[i].weights;
+    const bool known = middle.y > 0.0 && weights > 0.0;
+    imageStore(storage_images[pc.smooth_open], texel,
+        vec4(known ? pack_open(targets[i].open.x / weights, targets[i].open.y / weights) : middle.x, middle.y,
+            known ? targets[i].bright / weights : middle.zw));
+  }
 }

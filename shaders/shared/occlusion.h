@@ -53,4 +53,13 @@ struct OcclusionDenoisePush {
 };
 SHARED_END
 
+// Threads of a group of the filter by rays. Threads by fours in y make rows of whole squares at a stride of 4.
+#ifdef __cplusplus
+namespace candela::shared {
+inline constexpr uint occlusion_filter_x = 16, occlusion_filter_y = 4;
+}
+#else
+const uint occlusion_filter_x = 16u, occlusion_filter_y = 4u;
+#endif
+
 #endif

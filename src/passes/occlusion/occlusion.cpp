@@ -24,6 +24,8 @@ uint32_t slices_of(const AmbientOcclusion& pass, const AmbientOcclusion::In& in)
 uint32_t share_of(int rays, const AmbientOcclusion::In& in) {
   return (uint32_t(rays) + in.subsamples() - 1) / in.subsamples();
 }
+// Side of the squares of texels that a thread of a round of the filter makes (occlusion_filter.comp).
+uint32_t filter_block(int round) { return round < 2 ? 2 : 1; }
 uint32_t rays_of(const AmbientOcclusion& pass, const AmbientOcclusion::In& in) { return share_of(pass.knobs.rays, in); }
 
 }  // namespace
@@ -194,9 +196,10 @@ AmbientOcclusion::Out AmbientOcclusion::declare(GraphBuilder& builder, const In&
   out.open = builder.write(image("occlusion", format, size), Access::storage_image_write);
   if (rounds == 0) return out;
   out.normals = builder.write(image("occlusion.normals", VK_FORMAT_R32_UINT, size), Access::storage_image_write);
-  out.smooth =
-      builder.pipeline(ComputePipelineDesc{by_rays ? "occlusion_filter.comp" : "occlusion_denoise.comp", points});
   for (int i = 0; i < rounds; ++i) {
+    ComputePipelineDesc smooth{by_rays ? "occlusion_filter.comp" : "occlusion_denoise.comp", points};
+    if (by_rays) smooth.constants.push_back({1, "BLOCK", filter_block(i)});
+    out.smooth.push_back(builder.pipeline(smooth));
     out.rounds.push_back(out.open);
     builder.begin_step();
     builder.read(out.normals, Access::sampled_compute, "normals");
@@ -265,7 +268,7 @@ void AmbientOcclusion::record(CommandList& commands, const In& in, const Out& ou
   const size_t round = step - 2;
   const ImageHandle from = out.rounds[round];
   const ImageHandle to = round + 1 < out.rounds.size() ? out.rounds[round + 1] : out.open;
-  commands.bind(out.smooth);
+  commands.bind(out.smooth[round]);
   if (knobs.method == Knobs::by_rays) {
     shared::OcclusionFilterPush push{};
     push.normals = commands.sampled(out.normals);
@@ -289,7 +292,11 @@ void AmbientOcclusion::record(CommandList& commands, const In& in, const Out& ou
     push.subsample_ndc = in.scene.subsample_ndc();
     commands.push(push);
   }
-  commands.dispatch_picture(size.x, size.y, PicturePart::shaded, uint32_t(knobs.texel_px));
+  const uint32_t block = knobs.method == Knobs::by_rays ? filter_block(int(round)) : 1;
+  // A square's texels lie in a square of 2 by 2 of them, or of 8 by 8.
+  const uint32_t whole = block == 1 || round == 0 ? 1 : shared::occlusion_filter_y;
+  const auto threads = [&](uint32_t texels) { return (texels + block * whole - 1) / (block * whole) * whole; };
+  commands.dispatch_picture(threads(size.x), threads(size.y), PicturePart::shaded, block * uint32_t(knobs.texel_px));
 }
 
 }  // namespace candela

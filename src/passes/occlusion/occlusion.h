@@ -64,7 +64,8 @@ struct AmbientOcclusion {
   struct Out {
     ImageHandle open;             // V, and the point that it is of (shaders/lib/occlusion_points.glsl)
     ImageHandle points, normals;  // on the way; normals for the denoising alone
-    PipelineHandle find, integrate, smooth;
+    PipelineHandle find, integrate;
+    std::vector<PipelineHandle> smooth;  // of each round
     std::vector<ImageHandle> rounds;  // what each round of the filter reads; empty without
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;

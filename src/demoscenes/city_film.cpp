@@ -83,7 +83,8 @@ void add_sunlight(GlbWriter& out) {
     const glm::dvec3 left = glm::exp(-glm::dvec3(0.065, 0.2, 0.46) * air);
     const double most = std::max({left.x, left.y, left.z});
     push(colors, left / most);
-    lux.push_back(40 * most * smooth_step(-3, 6, elevation));
+    // Gone before it comes out once more, for four frames, at the end of the avenue: that would be a flash.
+    lux.push_back(40 * most * smooth_step(2.5, 8, elevation));
   }
   animate_turns(out, node, times, turns);
   const std::string pointer = fmt::format("/extensions/KHR_lights_punctual/lights/{}/", light);

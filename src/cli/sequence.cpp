@@ -123,7 +123,8 @@ Expected<int> render(const SequenceOptions& o, const Job& job, std::optional<Run
   if (!settings) return std::unexpected(settings.error());
   run_settings->command = command_line();
   run_settings->timeout_folder = folder_of_outputs(o.outputs.empty() ? std::vector{o.video} : o.outputs);
-  run_settings->timed = !o.timings.empty() || !o.trace.empty() || job.timings_in_metadata;
+  run_settings->timed = !o.timings.empty() || job.timings_in_metadata;
+  run_settings->spans = !o.trace.empty();
   if (o.cache == "on" || (o.cache == "auto" && !run_settings->timed)) run_settings->kept_bytes = kept_bytes;
   auto session = Session::open(job, wanted_by(*settings, job), *run_settings);
   if (!session) return std::unexpected(session.error());
@@ -263,7 +264,11 @@ void add_sequence(CLI::App& app, Action& action) {
                    "Folder for a record of this run: node, device, frames, exit code (docs/using/farm.md)")
       ->type_name("DIR");
   command->add_option("--timings", o->timings, "Times summed over the frames as JSON; - is stdout")->type_name("FILE");
-  command->add_option("--trace", o->trace, "The same as a Chrome trace; - is stdout")->type_name("FILE");
+  command
+      ->add_option("--trace", o->trace,
+                   "What host, device and encoders did when, as a Chrome trace, which Perfetto "
+                   "opens; frames overlap as without it (with --timings they don't, and passes are in it); - is stdout")
+      ->type_name("FILE");
   add_run_options(*command, o->job);
   command->callback([command, o, &action] { action = [command, o] { return run(*command, *o); }; });
 }

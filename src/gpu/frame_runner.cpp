@@ -18,6 +18,11 @@ namespace {
 // Recognisable bytes for what no one wrote yet, while hashing: the same in every run, and wrong enough to be seen.
 constexpr uint32_t poison = 0xcdcdcdcd;
 
+// Where the frame begins (0) or ends (1) on the device.
+void mark_span(const FrameSlot& slot, VkCommandBuffer commands, uint32_t end) {
+  if (slot.pending->spans_at > 0) slot.timing.mark_end(commands, slot.pending->spans_at + end);
+}
+
 }  // namespace
 
 struct FrameRunner::Hidden {
@@ -60,7 +65,7 @@ struct FrameRunner::Hidden {
   FrameContext context(const FramePlan& plan, const Imports& imports, const RunOptions& options, FrameSlot& slot);
   void fill_buffers(const FrameContext& frame, VkCommandBuffer commands, bool hashing) const;
   void record_pass(const FrameContext& frame, const CompiledGraph& graph, size_t pass, VkCommandBuffer commands) const;
-  void submit_whole(const FrameContext& frame, const CompiledGraph& graph, bool timed, FrameSlot& slot);
+  void submit_whole(const FrameContext& frame, const CompiledGraph& graph, const RunOptions& options, FrameSlot& slot);
   void submit_batches(const FrameContext& frame, const CompiledGraph& graph, const RunOptions& options,
                       FrameSlot& slot);
   void read_times(const FramePlan& plan, const RunOptions& options, FrameSlot& slot) const;
@@ -226,27 +231,30 @@ void FrameRunner::Hidden::record_pass(const FrameContext& frame, const CompiledG
   device.end_label(commands);
 }
 
-void FrameRunner::Hidden::submit_whole(const FrameContext& frame, const CompiledGraph& graph, bool timed,
+void FrameRunner::Hidden::submit_whole(const FrameContext& frame, const CompiledGraph& graph, const RunOptions& options,
                                        FrameSlot& slot) {
   const uint32_t passes = uint32_t(graph.plan.passes.size());
   FrameRun& result = slot.pending->result;
   Stopwatch watch;
   VkCommandBuffer commands = slot.work.begin();
-  slot.timing.reset(passes + 1);
+  slot.timing.reset(passes + 3);
+  if (options.spans && slot.timing.available()) slot.pending->spans_at = passes + 1;
   const auto stamp = [&](uint32_t index) {
-    if (timed)
+    if (options.timed)
       slot.timing.post(commands, index);
     else if (slot.timing.available())
       slot.timing.mark(commands, index);
   };
   if (frame.after_another) full_barrier(commands);  // its images and buffers are the frame before's
+  mark_span(slot, commands, 0);
   stamp(0);
   fill_buffers(frame, commands, false);
   for (uint32_t pass = 0; pass < passes; ++pass) {
     record_pass(frame, graph, pass, commands);
-    if (pass + 1 < passes || timed) stamp(pass + 1);
+    if (pass + 1 < passes || options.timed) stamp(pass + 1);
   }
   record_barriers(frame, graph.plan.final_barriers, commands);
+  mark_span(slot, commands, 1);
   result.record_ms = watch.lap_ms();
   slot.work.submit();
   result.submit_ms = watch.lap_ms();
@@ -261,11 +269,13 @@ void FrameRunner::Hidden::submit_batches(const FrameContext& frame, const Compil
   FrameRun& result = slot.pending->result;
   Stopwatch watch;
   slot.work.restart();
-  slot.timing.reset(passes + 2);
+  slot.timing.reset(passes + 4);
+  if (options.spans && slot.timing.available()) slot.pending->spans_at = passes + 2;
   const bool whole = options.whole && slot.timing.available();
   QueueWork::Point filled, ended;
   VkCommandBuffer commands = slot.work.add(Queue::main, {}, filled);
   if (frame.after_another) full_barrier(commands);
+  mark_span(slot, commands, 0);
   if (whole) slot.timing.post(commands, passes);
   fill_buffers(frame, commands, false);
 
@@ -297,6 +307,7 @@ void FrameRunner::Hidden::submit_batches(const FrameContext& frame, const Compil
   commands = slot.work.add(Queue::main, slot.waits, ended);
   record_barriers(frame, plan.final_barriers, commands);
   if (whole) slot.timing.post(commands, passes + 1);
+  mark_span(slot, commands, 1);
   result.record_ms = watch.lap_ms();
   slot.work.submit();
   result.submit_ms = watch.lap_ms();
@@ -371,7 +382,7 @@ FrameTicket FrameRunner::submit(const CompiledGraph& graph, const Imports& impor
       if (options.whole || (!options.timed && !graph.plan.batches.empty()))
         h.submit_batches(frame, graph, options, slot);
       else
-        h.submit_whole(frame, graph, options.timed, slot);
+        h.submit_whole(frame, graph, options, slot);
       if (alone) {
         slot.finish(timeout_s);
         h.read_times(graph.plan, options, slot);
@@ -394,6 +405,8 @@ FrameRun FrameRunner::collect(FrameTicket ticket) {
   FrameSlot& slot = **found;
   slot.finish(timeout_s);
   FrameRun result = std::move(slot.pending->result);
+  if (const uint32_t at = slot.pending->spans_at; at > 0)
+    result.on_device = {slot.timing.at_ms(at), slot.timing.between_ms(at, at + 1)};
   for (auto& [resource, readback] : slot.pending->readbacks) {
     readback->buffer().invalidate();
     result.readbacks[resource] = std::move(readback);

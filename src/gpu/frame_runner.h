@@ -3,6 +3,7 @@
 #include <initializer_list>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -56,6 +57,7 @@ struct RunOptions {
   bool hash_outputs = false;  // after each pass, hash everything it wrote and count non-finite values (debugging; slow)
   // The frame's time as a whole (FrameRun::whole_ms), whatever runs side by side in it.
   bool whole = false;
+  bool spans = false;            // when it began and ended on the device; frames stay in flight
   bool one_queue = false;        // passes of the compute queue run on the main one
   std::vector<int> batch_order;  // of the plan's batches; empty: the plan's own
   ByResource<KeptImage> images;  // the plan's imported images
@@ -66,10 +68,15 @@ struct PassHash {
   uint64_t nonfinite = 0;  // float and half images only
 };
 struct FrameRun {
-  std::vector<PassTime> passes;                        // when timed; they sum to frame_gpu_ms
-  double frame_gpu_ms = 0;                             // the sum of passes: isolated timing, nothing overlaps
-  double whole_ms = 0;                                 // on the device, or the host's wait for it where that is a CPU
-  double record_ms = 0, submit_ms = 0, wait_ms = 0;    // CPU
+  std::vector<PassTime> passes;                      // when timed; they sum to frame_gpu_ms
+  double frame_gpu_ms = 0;                           // the sum of passes: isolated timing, nothing overlaps
+  double whole_ms = 0;                               // on the device, or the host's wait for it where that is a CPU
+  double record_ms = 0, submit_ms = 0, wait_ms = 0;  // CPU
+  // By the device's clock: asked for, and where it has one.
+  struct OnDevice {
+    double began_ms = 0, length_ms = 0;
+  };
+  std::optional<OnDevice> on_device;
   std::map<int, std::shared_ptr<Readback>> readbacks;  // by resource of sink buffers with memory host_read
   std::vector<PassHash> hashes;
 };

@@ -52,7 +52,7 @@ void FrameSlot::begin(FrameTicket ticket, const FramePlan& plan) {
 void FrameSlot::end() {
   pending = nullptr;
   frame.result = {};
-  frame.plan = nullptr;
+  frame.plan = nullptr, frame.spans_at = 0;
   frame.readbacks.clear(), frame.keep.clear();
   frame.physical.reset();
 }

@@ -30,6 +30,7 @@ struct PendingFrame {
   FrameTicket ticket = 0;
   FrameRun result;
   const FramePlan* plan = nullptr;
+  uint32_t spans_at = 0;  // number of its first mark, where it is to say when it began and ended
   std::vector<std::pair<int, std::shared_ptr<ReadbackPool::Pooled>>> readbacks;  // by resource
   std::shared_ptr<Physical> physical;
   std::vector<std::shared_ptr<const void>> keep;

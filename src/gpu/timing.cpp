@@ -35,12 +35,19 @@ void Timing::mark(VkCommandBuffer commands, uint32_t index) const {
   vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT, pool_, index);
 }
 
+void Timing::mark_end(VkCommandBuffer commands, uint32_t index) const {
+  CHECK(index < capacity_);
+  vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool_, index);
+}
+
 uint64_t Timing::ticks(uint32_t index) const {
   uint64_t value = 0;
   VK_CHECK(vkGetQueryPoolResults(device_.handle(), pool_, index, 1, sizeof value, &value, sizeof value,
                                  VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
   return value & device_.timestamp_mask();
 }
+
+double Timing::at_ms(uint32_t index) const { return double(ticks(index)) * device_.timestamp_period_ns() * 1e-6; }
 
 double Timing::between_ms(uint32_t first, uint32_t second) const {
   // The difference within the valid bits is right also where the counter wrapped in between.

@@ -19,6 +19,9 @@ class Timing {
   void post(VkCommandBuffer commands, uint32_t index) const;
   // A mark taken when the device reaches it, without waiting for what is before: costs nothing, tells how far it came.
   void mark(VkCommandBuffer commands, uint32_t index) const;
+  // A mark taken when all before it is finished, which nothing behind it waits for.
+  void mark_end(VkCommandBuffer commands, uint32_t index) const;
+  double at_ms(uint32_t index) const;  // by the device's clock, which wraps
   double between_ms(uint32_t first, uint32_t second) const;
   bool reached(uint32_t index) const;  // without waiting
 

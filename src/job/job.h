@@ -120,6 +120,7 @@ struct RunSettings {
   bool validate = false;
   std::string shader_folder;
   bool timed = false;
+  bool spans = false;  // of frames on the device, as they run in a film (Timings::spans); times are taken alone
   double timeout_s = 600;
   std::string timeout_folder = {};  // in which a frame that takes longer leaves what shows why; empty: nowhere
   std::string command = {};         // line that the process was started with, for that

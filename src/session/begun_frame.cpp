@@ -4,7 +4,7 @@
 
 namespace candela {
 
-void take_run(gpu::FrameRun run, BegunFrame& begun) {
+void take_run(gpu::FrameRun run, double& device_clock_us, BegunFrame& begun) {
   FrameResult& result = begun.result;
   Timings& t = result.timings;
   t.add("record", run.record_ms);
@@ -13,6 +13,11 @@ void take_run(gpu::FrameRun run, BegunFrame& begun) {
   for (const gpu::PassTime& pass : run.passes) {
     t.spans.push_back({pass.name, "gpu", gpu_at, pass.gpu_ms * 1000});
     gpu_at += pass.gpu_ms * 1000;
+  }
+  if (run.on_device) {
+    const double began_us = run.on_device->began_ms * 1000;
+    device_clock_us = std::max(device_clock_us, begun.submit_us + run.record_ms * 1000 - began_us);
+    t.spans.push_back({"frame", "gpu", device_clock_us + began_us, run.on_device->length_ms * 1000});
   }
   t.gpu_ms = std::move(run.passes);
   t.frame_gpu_ms = run.frame_gpu_ms;

@@ -22,8 +22,9 @@ struct BegunFrame {
   bool collected = false;
   std::optional<Error> error;  // found when it was collected
 };
-// What the device left.
-void take_run(gpu::FrameRun run, BegunFrame& begun);
+// What the device left. device_clock_us: 0 of its clock by the process's, as far as the frames so far tell: none began
+// before it was handed over.
+void take_run(gpu::FrameRun run, double& device_clock_us, BegunFrame& begun);
 
 // When the stages between planning and submission began, microseconds of the process's clock.
 struct SubmitTimes {

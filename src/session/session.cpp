@@ -69,17 +69,15 @@ class DeviceSession : public Session {
   Expected<void> choose_again();
   PlanContext plan_context() const;
   Expected<FrameTicket> begin_job(const Job& job, double time_s, bool hash_outputs);
-  // One frame: the picture, or a part of it.
-  // look: at that time, if it is known.
+  // One frame: the picture, or a part of it. look: at that time, if it is known.
   Expected<FrameTicket> begin_frame(const Job& job, double time_s, bool hash_outputs, const Subframe* subframe,
                                     const Look* look);
   // Hands a planned frame to the device.
   Expected<FrameTicket> submit(PlannedFrame& planned, SubmitTimes& times, bool hash_outputs);
-  // The error with where the frame left what shows why it did not end in time (session/timeout_report.h).
+  // The error with where the frame left what shows why it did not end in time: session/timeout_report.h.
   Error failed(const gpu::GpuError& error, const FramePlan& plan) const;
   // Waits for a frame that was begun and takes what it left; once.
   void collect(FrameTicket ticket);
-
   Job asked_, job_;  // as it was given; with what was left to us chosen
   std::string told_technique_, told_transparency_, told_sides_;
   bool chose_transparency_ = false;  // the job left it to us: no frame is refused for its method's knobs
@@ -113,12 +111,13 @@ class DeviceSession : public Session {
   KeptKeys kept_keys_;
   PlannedFrame planned_;
   GpuScene::Uploaded uploaded_;
+  KeptImages kept_images_;
+  gpu::RunOptions run_options_;
   // As PlanContext has them.
   std::vector<uint8_t> moving_;
   PosedParts parts_;
   ChosenOcclusion occlusion_;
-  KeptImages kept_images_;
-  gpu::RunOptions run_options_;
+  double device_clock_us_ = -HUGE_VAL;  // as take_run() has it
 };
 
 Expected<void> DeviceSession::load() {
@@ -421,6 +420,7 @@ Expected<FrameTicket> DeviceSession::submit(PlannedFrame& planned, SubmitTimes& 
         measure_overlap(*runner_, *device_, planned.graph(), uploaded_.imports, run_options_.images);
   }
   run_options_.timed = settings_.timed, run_options_.hash_outputs = hash_outputs;
+  run_options_.spans = settings_.spans && !settings_.timed;
   times.submit_us = process_clock_us();
   const FrameTicket ticket = runner_->submit(planned.graph(), uploaded_.imports, run_options_, uploaded_.keep);
   times.end_us = process_clock_us();
@@ -448,7 +448,7 @@ void DeviceSession::collect(FrameTicket ticket) {
     const double start = process_clock_us();
     gpu::FrameRun run = runner_->collect(ticket);
     begun.result.timings.spans.push_back({"wait", "cpu", start, process_clock_us() - start});
-    take_run(std::move(run), begun);
+    take_run(std::move(run), device_clock_us_, begun);
   } catch (const gpu::GpuError& e) {
     begun.error = failed(e, *begun.result.plan);
   }

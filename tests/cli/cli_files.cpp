@@ -130,6 +130,37 @@ TEST(Sequence, KeptShadowMapsChangeNoByte) {
   for (const char* other : {"on", "flight", "shards"}) EXPECT_EQ(contents(folder / other), off) << other;
 }
 
+// A trace changes no byte and no order: each frame has one span on the device, which begins once it was handed over and
+// after the frame before has ended.
+TEST(Sequence, TracesFramesAsTheyRun) {
+  const TestFolder folder;
+  const auto film = [&](const std::string& into, const Arguments& more) {
+    Arguments words = {"sequence", scene("animated"),         "--frames", "0-3", "--size", "32x18", "--quiet",
+                       "-o",       folder / (into + "%d.png")};
+    words.insert(words.end(), more.begin(), more.end());
+    ASSERT_EQ(candela(words).code, 0);
+  };
+  film("plain", {});
+  film("traced", {"--trace", folder / "t.json"});
+  for (int i = 0; i < 4; ++i)
+    EXPECT_EQ(bytes_of(folder / fmt::format("plain{}.png", i)), bytes_of(folder / fmt::format("traced{}.png", i))) << i;
+  std::map<std::string, std::vector<std::pair<double, double>>> spans;  // start and end
+  const Json trace = Json::parse(bytes_of(folder / "t.json"));
+  for (const Json& event : trace["traceEvents"])
+    if (event["ph"] == "X")
+      spans[event["name"]].emplace_back(event["ts"], event["ts"].get<double>() + event["dur"].get<double>());
+  ASSERT_EQ(spans["frame"].size(), 4u);
+  ASSERT_EQ(spans["record and submit"].size(), 4u);
+  ASSERT_EQ(spans["wait"].size(), 4u);
+  EXPECT_EQ(spans["encode"].size(), 4u);
+  for (size_t i = 0; i < 4; ++i) {
+    EXPECT_LT(spans["frame"][i].first, spans["frame"][i].second) << i;
+    EXPECT_GE(spans["frame"][i].first, spans["record and submit"][i].first) << i;
+    EXPECT_LT(spans["frame"][i].first, spans["wait"][i].second) << i;
+    if (i > 0) EXPECT_GE(spans["frame"][i].first, spans["frame"][i - 1].second) << i;
+  }
+}
+
 // OpenEXR's rule: a point times worldToNDC is the place in the picture, (0,0) the upper left corner.
 TEST(Render, WorldToNdcFindsTheTargetInTheMiddle) {
   TestFolder folder;

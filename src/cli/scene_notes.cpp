@@ -169,16 +169,10 @@ std::optional<bool> is_transparent(const FrameResult& frame) {
 
 // Nothing's bounds reach into the view. Sky and background cover what no surface does, so alpha does not tell.
 bool nothing_in_view(const FrameResult& frame, const Job& job, const Scene& scene) {
+  if (frame.sees_items) return false;
   const auto posed = pose_scene(scene, job, frame.time_s);
   if (!posed) return false;
-  const FrustumPlanes planes = frustum_planes(frame.view.clip_from_relative);
-  return std::none_of(posed->data.items.begin(), posed->data.items.end(), [&](const DrawItem& item) {
-    const glm::dvec3 centre(item.bounds_relative.centre()), extent(item.bounds_relative.extent());
-    return std::all_of(planes.begin(), planes.end(), [&](const glm::dvec4& plane) {
-      const glm::dvec3 normal(plane);
-      return !(glm::dot(normal, centre) + plane.w + glm::dot(glm::abs(normal), extent) < 0);
-    });
-  });
+  return !any_in_view(posed->data.items, frame.view);
 }
 
 }  // namespace
@@ -216,7 +210,7 @@ std::string black_advice(const Job& job, const Scene& scene) {
 std::string blank_warning(const FrameResult& frame, const Job& job, const Scene& scene) {
   const bool alpha_tells = frame.request.shows_through;
   const std::optional<bool> transparent = alpha_tells ? is_transparent(frame) : std::nullopt;
-  if (transparent.value_or(nothing_in_view(frame, job, scene))) {
+  if (transparent ? *transparent : nothing_in_view(frame, job, scene)) {
     if (scene.meshes.empty()) return "the frame is blank: the scene has no mesh";
     return fmt::format("the frame is blank: nothing lies before {}; {}",
                        frame.view.name.empty() ? "the camera" : frame.view.name, blank_advice(frame, job, scene));

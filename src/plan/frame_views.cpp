@@ -53,6 +53,7 @@ Expected<void> place_views(FrameViews& placed, std::span<const shared::Item> ite
   if (culling) tree.emplace(items, run_of, &scratch);
   tbb::parallel_for(size_t(0), placed.table.size(), [&](size_t v) {
     uint32_t* of_view = &counts[v * runs.size()];
+    const ViewPlanes planes(placed.table[v]);
     ViewCasters::OfView of_casters;
     const auto add = [&](uint32_t run, uint32_t count, uint32_t node, std::span<const CasterHash> hashes, size_t at) {
       of_view[run] += count;
@@ -67,12 +68,11 @@ Expected<void> place_views(FrameViews& placed, std::span<const shared::Item> ite
     const CasterHashes& hashes = casters && casters->hashes ? *casters->hashes : none;
     for (size_t c = 0; c < clusters.size(); ++c)
       if (const ItemCluster& cluster = clusters[c];
-          draws(runs[cluster.run]) &&
-          (!culling || may_keep(placed.table[v], cluster.bounds_centre, cluster.bounds_extent)))
+          draws(runs[cluster.run]) && (!culling || may_keep(planes, cluster.bounds_centre, cluster.bounds_extent)))
         add(cluster.run, cluster.count, cluster.node, hashes.clusters, c);
     const auto found = [&](uint32_t i) { add(uint32_t(run_of[i]), 1, items[i].object_id, hashes.items, i); };
     if (tree)
-      tree->each(placed.table[v], found);
+      tree->each(planes, found);
     else
       for (uint32_t i = 0; i < items.size(); ++i)
         if (run_of[i] >= 0) found(i);

@@ -27,31 +27,36 @@ bool is_finite(const shared::Item& item) {
 
 }  // namespace
 
-ItemTree::Lies ItemTree::place_of(const shared::View& view, glm::dvec3 centre, glm::dvec3 extent) {
+ViewPlanes::ViewPlanes(const shared::View& view) {
+  for (size_t p = 0; p < planes.size(); ++p) {
+    const glm::dvec3 normal(view.planes[p]);
+    planes[p] = {normal, glm::abs(normal), double(view.planes[p].w)};
+  }
+}
+
+ItemTree::Lies ItemTree::place_of(const ViewPlanes& view, glm::dvec3 centre, glm::dvec3 extent) {
   Lies place = Lies::inside;
-  for (const glm::vec4& plane : view.planes) {
-    const glm::dvec3 n(plane), n_abs = glm::abs(n);
-    const double middle = glm::dot(n, centre) + double(plane.w), half = glm::dot(n_abs, extent);
+  for (const auto& [n, n_abs, w] : view.planes) {
+    const double middle = glm::dot(n, centre) + w, half = glm::dot(n_abs, extent);
     // No scale of an item in the box is larger than this.
-    const double scale = glm::dot(n_abs, glm::abs(centre) + 2.0 * extent) + std::abs(double(plane.w));
+    const double scale = glm::dot(n_abs, glm::abs(centre) + 2.0 * extent) + std::abs(w);
     if (middle + half < -2 * rounding * scale) return Lies::outside;
     if (!(middle - half >= 0)) place = Lies::across;
   }
   return place;
 }
 
-bool may_keep(const shared::View& view, glm::dvec3 centre, glm::dvec3 extent) {
-  for (const glm::vec4& plane : view.planes) {
-    const glm::dvec3 n(plane), n_abs = glm::abs(n);
+bool may_keep(const ViewPlanes& view, glm::dvec3 centre, glm::dvec3 extent) {
+  for (const auto& [n, n_abs, w] : view.planes) {
     const double outwards = glm::dot(n_abs, extent);
-    const double reach = glm::dot(n, centre) + double(plane.w) + outwards;
-    const double scale = glm::dot(n_abs, glm::abs(centre)) + outwards + std::abs(double(plane.w));
+    const double reach = glm::dot(n, centre) + w + outwards;
+    const double scale = glm::dot(n_abs, glm::abs(centre)) + outwards + std::abs(w);
     if (reach < -rounding * scale) return false;  // not for NaN
   }
   return true;
 }
 
-bool may_keep(const shared::View& view, const shared::Item& item) {
+bool may_keep(const ViewPlanes& view, const shared::Item& item) {
   return may_keep(view, glm::dvec3(item.bounds_centre), glm::dvec3(item.bounds_extent));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <array>
 #include <glm/glm.hpp>
 #include <memory_resource>
 #include <span>
@@ -10,9 +11,19 @@
 
 namespace candela {
 
+// A view's planes as the tests take them.
+struct ViewPlanes {
+  struct Plane {
+    glm::dvec3 normal, size;  // size: of its components
+    double away;
+  };
+  std::array<Plane, sizeof(shared::View::planes) / sizeof(glm::vec4)> planes;
+  ViewPlanes(const shared::View& view);
+};
+
 // Whether any device keeps an item in the view: a test in double that is four times as wide as the device's roundings.
-bool may_keep(const shared::View& view, const shared::Item& item);
-bool may_keep(const shared::View& view, glm::dvec3 centre, glm::dvec3 extent);
+bool may_keep(const ViewPlanes& view, const shared::Item& item);
+bool may_keep(const ViewPlanes& view, glm::dvec3 centre, glm::dvec3 extent);
 
 // A bounding volume hierarchy over items, to count for many views how many items of each class may be kept: the same
 // counts as may_keep() for each item gives, without views times items tests. Eight neighbours on a Morton curve make a
@@ -26,13 +37,13 @@ class ItemTree {
            std::pmr::memory_resource* memory = std::pmr::get_default_resource());
   // Calls for each such item, in an order of the tree's.
   template <class Found>
-  void each(const shared::View& view, Found&& found) const {
+  void each(const ViewPlanes& view, Found&& found) const {
     for (const uint32_t i : unbounded_)
       if (may_keep(view, items_[i])) found(i);
     if (!levels_.empty()) each(view, levels_.size() - 1, 0, found);
   }
   // Adds to counts[class].
-  void count(const shared::View& view, uint32_t* counts) const {
+  void count(const ViewPlanes& view, uint32_t* counts) const {
     each(view, [&](uint32_t i) { ++counts[class_of_[i]]; });
   }
 
@@ -44,9 +55,9 @@ class ItemTree {
   // How a box lies in a view whose planes point inwards. outside: may_keep() is false for whatever lies in the box, and
   // inside: true, whatever the last bits are.
   enum class Lies { outside, across, inside };
-  static Lies place_of(const shared::View& view, glm::dvec3 centre, glm::dvec3 extent);
+  static Lies place_of(const ViewPlanes& view, glm::dvec3 centre, glm::dvec3 extent);
   template <class Found>
-  void each(const shared::View& view, size_t level, size_t node_index, Found& found) const {
+  void each(const ViewPlanes& view, size_t level, size_t node_index, Found& found) const {
     const Node& node = levels_[level][node_index];
     const Lies place = place_of(view, node.centre, node.extent);
     if (place == Lies::outside) return;

@@ -25,13 +25,15 @@ class Squares {
   Squares(const LampPool& pool, std::pmr::memory_resource* memory)
       : per_layer_(uint64_t(pool.layer_px / least_lamp_px) * (pool.layer_px / least_lamp_px)),
         owner_(size_t(per_layer_) * pool.layers, none, memory),
-        used_(memory) {
-    uint64_t runs = owner_.size(), all = 0;
+        used_(memory),
+        least_(memory) {
+    uint64_t runs = owner_.size(), all = 0, blocks = 0;
     for (Level& level : levels_) {
-      level.first = all, level.runs = runs;
-      all += runs, runs /= 4;
+      level = {all, runs, blocks};
+      all += runs, blocks += (runs + block - 1) / block, runs /= 4;
     }
     used_.assign(all, 0);
+    least_.assign(blocks, 0);
   }
   static uint64_t length(uint32_t size_px) { return uint64_t(size_px / least_lamp_px) * (size_px / least_lamp_px); }
   // used: when it was used last, greater than 0.
@@ -44,11 +46,6 @@ class Squares {
     const uint64_t run = length(size_px);
     std::fill_n(owner_.begin() + std::ptrdiff_t(first), run, none);
     set_used(first, run, 0);
-    for (size_t l = 0; l < levels_.size(); ++l) {
-      Level& level = levels_[l];
-      const uint64_t at = first >> (2 * l);
-      level.next = level.least == 0 ? std::min(level.next, at) : at, level.least = 0;
-    }
   }
   uint64_t first_of(const LampTile& tile) const {
     return tile.layer * per_layer_ +
@@ -63,17 +60,19 @@ class Squares {
   // nothing, at best. What is used `now` stays; nothing: no run is free of that.
   std::optional<uint64_t> oldest(uint32_t size_px, uint64_t now) {
     const size_t l = size_t(std::bit_width(size_px / least_lamp_px) - 1);
-    Level& level = levels_[l];
-    const auto used = std::span(used_).subspan(level.first, level.runs);
-    while (level.next < level.runs && used[level.next] != level.least) ++level.next;
-    if (level.next == level.runs) {
-      // None is left that was used as long ago: the next longest.
-      const auto found = std::ranges::min_element(used);
-      if (found == used.end()) return std::nullopt;
-      level.least = *found, level.next = uint64_t(found - used.begin());
+    const Level& level = levels_[l];
+    const auto block_of = [&](uint64_t b) {
+      return std::span(used_).subspan(level.first + b * block, std::min(block, level.runs - b * block));
+    };
+    uint64_t found = 0, least = std::numeric_limits<uint64_t>::max();
+    for (uint64_t b = 0; b * block < level.runs; ++b) {
+      uint64_t& of_block = least_[level.first_block + b];
+      if (of_block == unknown) of_block = *std::ranges::min_element(block_of(b));
+      if (of_block < least) least = of_block, found = b;
     }
-    if (level.least >= now) return std::nullopt;
-    return level.next << (2 * l);
+    if (least >= now) return std::nullopt;
+    const auto used = block_of(found);
+    return (found * block + uint64_t(std::ranges::find(used, least) - used.begin())) << (2 * l);
   }
   template <class Taken>
   void each_owner(uint64_t first, uint32_t size_px, Taken taken) const {
@@ -84,14 +83,16 @@ class Squares {
   static constexpr uint32_t none = ~0u;
 
  private:
-  // Runs of 4^n squares. No run was used before `least`, and none before the run `next` at `least`.
+  static constexpr uint64_t block = 64, unknown = ~uint64_t(0);
+  // Runs of 4^n squares.
   struct Level {
     uint64_t first = 0, runs = 0;  // of used_
-    uint64_t least = 0, next = 0;
+    uint64_t first_block = 0;      // of least_
   };
   void set_used(uint64_t first, uint64_t run, uint64_t used) {
     uint64_t begin = first, end = first + run;
     std::fill(used_.begin() + std::ptrdiff_t(begin), used_.begin() + std::ptrdiff_t(end), used);
+    forget_least(levels_[0], begin, end);
     for (size_t l = 1; l < levels_.size(); ++l) {
       const uint64_t below = levels_[l - 1].first;
       begin /= 4, end = std::min((end + 3) / 4, levels_[l].runs);
@@ -99,12 +100,17 @@ class Squares {
         const uint64_t* of = &used_[below + 4 * i];
         used_[levels_[l].first + i] = std::max({of[0], of[1], of[2], of[3]});
       }
+      forget_least(levels_[l], begin, end);
     }
+  }
+  void forget_least(const Level& level, uint64_t begin, uint64_t end) {
+    for (uint64_t b = begin / block; b * block < end; ++b) least_[level.first_block + b] = unknown;
   }
 
   uint64_t per_layer_;
   ScratchVector<uint32_t> owner_;  // into LampPool::maps
   ScratchVector<uint64_t> used_;   // of each level's runs
+  ScratchVector<uint64_t> least_;  // of each block of a level's runs
   std::array<Level, 16> levels_;
 };
 

@@ -64,6 +64,17 @@ Expected<ImageWindow> seen_by_subframe(const Scene& scene, const Job& job, const
 
 }  // namespace
 
+bool any_in_view(std::span<const DrawItem> items, const View& view) {
+  const FrustumPlanes planes = frustum_planes(view.clip_from_relative);
+  return std::ranges::any_of(items, [&](const DrawItem& item) {
+    const glm::dvec3 centre(item.bounds_relative.centre()), extent(item.bounds_relative.extent());
+    return std::ranges::all_of(planes, [&](const glm::dvec4& plane) {
+      const glm::dvec3 normal(plane);
+      return !(glm::dot(normal, centre) + plane.w + glm::dot(glm::abs(normal), extent) < 0);
+    });
+  });
+}
+
 double lens_radius_m(const LensLook& lens, const View& view) {
   return view.perspective ? lens.sensor_mm / 1000 / 2 / view.tan_y / lens.f_stop / 2 : 0;
 }

@@ -29,6 +29,9 @@ Expected<void> pose_scene(const Scene& scene, const Job& job, const PosedParts* 
                           double lamp_radius_m, const View* view, const DevicePose& on_device, double cells,
                           const Subframe* subframe, PosedScene& out);
 
+// Whether the bounds of one of these reach into the view.
+bool any_in_view(std::span<const DrawItem> items, const View& view);
+
 // Half the diameter of the lens's opening; 0 of orthographic views. How far along the view axis its plane of focus
 // lies. Errors (usage): there is no node of that name; it is not before the camera.
 double lens_radius_m(const LensLook& lens, const View& view);

@@ -233,7 +233,7 @@ class Run {
       const Hash128 hash = frame->plan_hash;
       if (std::find(result_.plan_hashes.begin(), result_.plan_hashes.end(), hash) == result_.plan_hashes.end())
         result_.plan_hashes.push_back(hash);
-      if (frame->plan) result_.plan = *frame->plan;  // traced ones have none
+      if (frame->plan && frame->plan != last_plan_) last_plan_ = frame->plan, result_.plan = *last_plan_;
       const uint64_t bytes = maker_.bytes_in_hand(**finished);
       if (!encoder.push(std::move(**finished), bytes)) return false;
       ++result_.rendered;
@@ -347,7 +347,8 @@ class Run {
   // By index of the frame: the film has it from its file. Those before a frame are set before it is pushed, so that
   // the thread that completes it reads what is no longer written.
   std::vector<uint8_t> was_there_;
-  size_t video_next_ = 0;      // index of the film's next frame
+  size_t video_next_ = 0;  // index of the film's next frame
+  std::shared_ptr<const FramePlan> last_plan_;
   std::deque<int64_t> begun_;  // in order
   EncoderLimits limits_;
   std::vector<uint8_t> done_;  // by index of the frame: its files were there. As far as looked

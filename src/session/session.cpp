@@ -366,10 +366,10 @@ Expected<FrameTicket> DeviceSession::begin_frame(const Job& job, double time_s, 
     result.window = picture_window(job_);
     result.width_px = result.window.part.width, result.height_px = result.window.part.height;
     result.view = planned.view, result.request = planned.request;
-    result.outputs = planned.made->outputs;
     result.pre_exposure = planned.upload.constants.pre_exposure;
     result.plan_hash = planned.made->hash, result.rays = planned.rays;
-    result.dumps = planned.made->dumps;
+    result.dumps = planned.made->dumps, result.outputs = planned.made->outputs;
+    result.sees_items = any_in_view(planned.data.items, planned.view);
     result.plan = {planned.made, &planned.made->graph.plan};
     result.notes.assign(planned.notes.begin(), planned.notes.end());
     if (!left_out_.empty()) result.warnings.push_back(left_out_);

@@ -61,6 +61,7 @@ struct FrameResult {
   PictureWindow window;             // where that lies
   double time_s = 0;
   View view;
+  bool sees_items = false;  // the bounds of an item that the host posed reach into the view
   FrameRequest request;
   std::vector<FrameOutput> outputs;                         // what each readback holds
   std::map<int, std::shared_ptr<gpu::Readback>> readbacks;  // by FrameOutput::resource

@@ -66,7 +66,7 @@ struct AmbientOcclusion {
     ImageHandle points, normals;  // on the way; normals for the denoising alone
     PipelineHandle find, integrate;
     std::vector<PipelineHandle> smooth;  // of each round
-    std::vector<ImageHandle> rounds;  // what each round of the filter reads; empty without
+    std::vector<ImageHandle> rounds;     // what each round of the filter reads; empty without
   };
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   // Whether what it gives is for shading, and not for a layer alone.

@@ -102,18 +102,22 @@ TEST(City, TheSunFallsFromFortyDegreesToTwentyFourBelow) {
   EXPECT_NEAR(elevation_deg(20), -24, 0.01);
 }
 
-// Of a stride each foot stands flat for four tenths; there its ankle stays in one place of the world at any moment.
+// Of a stride each foot stands flat for four tenths; there its ankle stays in one place of the world at any moment, and
+// the foot points the same way, also while its walker turns at a corner.
 TEST(City, FeetOnTheGroundStandStill) {
   constexpr double leg_m = 0.87, ankle_m = 0.08, step_s = 1 / 190.0;
-  std::map<size_t, std::vector<glm::dvec3>> ways;
+  std::map<size_t, std::vector<glm::dvec3>> ways, across;
   std::vector<size_t> feet = nodes_named("left foot");
   std::ranges::copy(nodes_named("right foot"), std::back_inserter(feet));
   ASSERT_GT(feet.size(), 40u);
   for (double t = 2; t < 6; t += step_s) {
     const Pose pose = pose_at(t);
-    for (size_t foot : feet) ways[foot].emplace_back(pose.world_from_node[foot][3]);
+    for (size_t foot : feet) {
+      ways[foot].emplace_back(pose.world_from_node[foot][3]);
+      across[foot].push_back(glm::normalize(glm::dvec3(pose.world_from_node[foot][0])));
+    }
   }
-  double farthest = 0;
+  double farthest = 0, most_turned = 0;
   for (const auto& [foot, way] : ways) {
     const Pose pose = pose_at(0);
     const double scale = glm::length(glm::dvec3(pose.world_from_node[foot][0])), floor = 0.14 + ankle_m * scale;
@@ -124,12 +128,14 @@ TEST(City, FeetOnTheGroundStandStill) {
       ++flat;
       if (i == 0 || std::abs(way[i - 1].y - floor) >= 2e-5) first = i, ++steps;
       farthest = std::max(farthest, glm::distance(way[i], way[first]) / (leg_m * scale));
+      most_turned = std::max(most_turned, glm::distance(across[foot][i], across[foot][first]));
     }
     EXPECT_GE(steps, 3u);
     EXPECT_NEAR(double(flat) / double(way.size()), 0.4, 0.05);
     EXPECT_GT(glm::distance(way.front(), way.back()), 3);
   }
   EXPECT_LT(farthest, 1e-3);
+  EXPECT_LT(most_turned, 5e-3);
 }
 
 // They turn by a right angle, evenly, and stay on the pavement of their block.

@@ -116,6 +116,10 @@ struct Uploader::Hidden {
     begin();
     return staging_bytes - used;
   }
+
+  void copy_level(Texture& target, const TextureData& data, uint32_t level);
+  template <class Copied>  // copied(level)
+  void copy_levels(Texture& target, const TextureData& data, Copied copied);
 };
 
 Uploader::Uploader(Device& device, uint64_t staging_bytes) : hidden_(std::make_unique<Hidden>(device, staging_bytes)) {}
@@ -138,36 +142,48 @@ void Uploader::to_buffer(Buffer& target, uint64_t offset, std::span<const std::b
   }
 }
 
-void Uploader::to_texture(Texture& target, const TextureData& data) {
-  Hidden& hidden = *hidden_;
-  hidden.begin();
-  texture_barrier(hidden.commands, target.image(), VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+void Uploader::Hidden::copy_level(Texture& target, const TextureData& data, uint32_t level) {
   const uint32_t block = block_height(data.format);
-  for (uint32_t level = 0; level < data.levels.size(); ++level) {
-    const uint32_t width = std::max(1u, data.width >> level), height = std::max(1u, data.height >> level);
-    const uint32_t rows = (height + block - 1) / block;
-    const std::vector<std::byte>& bytes = data.levels[level];
-    CHECK(!bytes.empty() && bytes.size() % rows == 0);
-    const uint64_t row_bytes = bytes.size() / rows;
-    CHECK(row_bytes <= hidden.staging_bytes);
-    hidden.device.count_uploaded(bytes.size());
-    for (uint32_t row = 0; row < rows;) {
-      const uint32_t part = uint32_t(std::min<uint64_t>(hidden.room(row_bytes) / row_bytes, rows - row));
-      std::memcpy(hidden.staging.mapped() + hidden.used, bytes.data() + row * row_bytes, part * row_bytes);
-      VkBufferImageCopy region{};
-      region.bufferOffset = hidden.used;
-      region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, 1};
-      region.imageOffset = {0, int32_t(row * block), 0};
-      region.imageExtent = {width, std::min(part * block, height - row * block), 1};
-      vkCmdCopyBufferToImage(hidden.commands, hidden.staging.handle(), target.image(),
-                             VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
-      hidden.used += part * row_bytes;
-      row += part;
-    }
+  const uint32_t width = std::max(1u, data.width >> level), height = std::max(1u, data.height >> level);
+  const uint32_t rows = (height + block - 1) / block;
+  const std::vector<std::byte>& bytes = data.levels[level];
+  CHECK(!bytes.empty() && bytes.size() % rows == 0);
+  const uint64_t row_bytes = bytes.size() / rows;
+  CHECK(row_bytes <= staging_bytes);
+  device.count_uploaded(bytes.size());
+  for (uint32_t row = 0; row < rows;) {
+    const uint32_t part = uint32_t(std::min<uint64_t>(room(row_bytes) / row_bytes, rows - row));
+    std::memcpy(staging.mapped() + used, bytes.data() + row * row_bytes, part * row_bytes);
+    VkBufferImageCopy region{};
+    region.bufferOffset = used;
+    region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, 1};
+    region.imageOffset = {0, int32_t(row * block), 0};
+    region.imageExtent = {width, std::min(part * block, height - row * block), 1};
+    vkCmdCopyBufferToImage(commands, staging.handle(), target.image(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+                           &region);
+    used += part * row_bytes;
+    row += part;
   }
-  hidden.begin();
-  texture_barrier(hidden.commands, target.image(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+}
+
+template <class Copied>
+void Uploader::Hidden::copy_levels(Texture& target, const TextureData& data, Copied copied) {
+  begin();
+  texture_barrier(commands, target.image(), VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  for (uint32_t level = 0; level < data.levels.size(); ++level) {
+    copy_level(target, data, level);
+    copied(level);
+  }
+  begin();
+  texture_barrier(commands, target.image(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                   VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+}
+
+void Uploader::to_texture(Texture& target, const TextureData& data) {
+  hidden_->copy_levels(target, data, [](uint32_t) {});
+}
+void Uploader::to_texture(Texture& target, TextureData&& data) {
+  hidden_->copy_levels(target, data, [&](uint32_t level) { std::vector<std::byte>().swap(data.levels[level]); });
 }
 
 std::span<std::byte> Uploader::texture_room(Texture& target, VkFormat format, uint32_t width, uint32_t height,

@@ -45,7 +45,9 @@ TEST(Specialize, DropsWhatIsNeverReached) {
   const std::vector<uint32_t> code = compiled(R"(
     uint one(uint x) { return x + 1u; }
     uint two(uint x) { for (uint i = 0u; i < x; ++i) if (v[i] == 7u) return i; return one(x); }
+    uint three(uint x) { return 3u * x; }
     void main() {
+      if (ON && (BITS & 8u) != 0u) v[4] = three(v[4]);
       if (KIND == 3) v[0] = two(v[0]);
       if (ON && v[1] > 2u) v[1] = one(v[1]); else v[2] = 5u;
       if ((BITS & 4u) != 0u) { if (v[3] > 1u) v[3] = 1u; }
@@ -62,6 +64,8 @@ TEST(Specialize, DropsWhatIsNeverReached) {
   EXPECT_EQ(bits.functions, 1);
   EXPECT_EQ(bits.branches, 1);
   EXPECT_EQ(left({{1, "ON", 1}}).functions, 2);
+  EXPECT_EQ(left({{1, "ON", 1}, {2, "BITS", 8}}).functions, 3);
+  EXPECT_EQ(left({{2, "BITS", 8}}).functions, 1);
 }
 
 // A loop that is left before it comes round again has no such way any more: it stays as it is.

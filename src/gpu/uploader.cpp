@@ -1,3 +1,6 @@
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <cstring>
 
 #include "base/check.h"
@@ -117,8 +120,9 @@ struct Uploader::Hidden {
     return staging_bytes - used;
   }
 
-  void copy_level(Texture& target, const TextureData& data, uint32_t level);
-  template <class Copied>  // copied(level)
+  template <class Copied>
+  void copy_level(Texture& target, const TextureData& data, uint32_t level, Copied copied);
+  template <class Copied>  // copied(bytes, count): the first bytes of a level have been copied
   void copy_levels(Texture& target, const TextureData& data, Copied copied);
 };
 
@@ -142,7 +146,8 @@ void Uploader::to_buffer(Buffer& target, uint64_t offset, std::span<const std::b
   }
 }
 
-void Uploader::Hidden::copy_level(Texture& target, const TextureData& data, uint32_t level) {
+template <class Copied>
+void Uploader::Hidden::copy_level(Texture& target, const TextureData& data, uint32_t level, Copied copied) {
   const uint32_t block = block_height(data.format);
   const uint32_t width = std::max(1u, data.width >> level), height = std::max(1u, data.height >> level);
   const uint32_t rows = (height + block - 1) / block;
@@ -163,6 +168,7 @@ void Uploader::Hidden::copy_level(Texture& target, const TextureData& data, uint
                            &region);
     used += part * row_bytes;
     row += part;
+    copied(bytes.data(), row * row_bytes);
   }
 }
 
@@ -171,8 +177,7 @@ void Uploader::Hidden::copy_levels(Texture& target, const TextureData& data, Cop
   begin();
   texture_barrier(commands, target.image(), VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
   for (uint32_t level = 0; level < data.levels.size(); ++level) {
-    copy_level(target, data, level);
-    copied(level);
+    copy_level(target, data, level, copied);
   }
   begin();
   texture_barrier(commands, target.image(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
@@ -180,10 +185,17 @@ void Uploader::Hidden::copy_levels(Texture& target, const TextureData& data, Cop
 }
 
 void Uploader::to_texture(Texture& target, const TextureData& data) {
-  hidden_->copy_levels(target, data, [](uint32_t) {});
+  hidden_->copy_levels(target, data, [](const std::byte*, size_t) {});
 }
 void Uploader::to_texture(Texture& target, TextureData&& data) {
-  hidden_->copy_levels(target, data, [&](uint32_t level) { std::vector<std::byte>().swap(data.levels[level]); });
+  // Its pages, for a device that shares the memory fills the texture's meanwhile. They read as zeros from then on.
+  const uint64_t page = uint64_t(sysconf(_SC_PAGESIZE));
+  hidden_->copy_levels(target, data, [&](const std::byte* bytes, size_t done) {
+    const auto first = (reinterpret_cast<uintptr_t>(bytes) + page - 1) / page * page,
+               end = (reinterpret_cast<uintptr_t>(bytes) + done) / page * page;
+    if (end > first) madvise(reinterpret_cast<void*>(first), end - first, MADV_DONTNEED);
+  });
+  data.levels.clear();
 }
 
 std::span<std::byte> Uploader::texture_room(Texture& target, VkFormat format, uint32_t width, uint32_t height,

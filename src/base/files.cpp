@@ -23,7 +23,12 @@
 namespace candela {
 namespace fs = std::filesystem;
 
-Expected<std::vector<std::byte>> read_file(const fs::path& path) {
+namespace {
+struct Opened {
+  int file = -1;
+  uint64_t size = 0;
+};
+Expected<Opened> open_regular(const fs::path& path) {
   // Not blocked: a FIFO without a writer would hold the program. Opened first, so that what is checked is what is read.
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file < 0) return fail(ErrorKind::input, path.string(), "cannot open: {}", std::strerror(errno));
@@ -40,7 +45,38 @@ Expected<std::vector<std::byte>> read_file(const fs::path& path) {
     return std::unexpected(allowed.error());
   }
   note_read(file, path);
-  std::vector<std::byte> bytes(size_t(info.st_size) + 1);  // one more, to see the end without growing
+  return Opened{file, uint64_t(info.st_size)};
+}
+}  // namespace
+
+Expected<FileReader> FileReader::open(const fs::path& path) {
+  const auto opened = open_regular(path);
+  if (!opened) return std::unexpected(opened.error());
+  return FileReader(opened->file, opened->size);
+}
+FileReader& FileReader::operator=(FileReader&& other) noexcept {
+  std::swap(file_, other.file_), std::swap(size_, other.size_);
+  return *this;
+}
+FileReader::~FileReader() {
+  if (file_ >= 0) close(file_);
+}
+size_t FileReader::read_at(uint64_t offset, std::span<std::byte> bytes) const {
+  size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t n = pread(file_, bytes.data() + done, bytes.size() - done, off_t(offset + done));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) break;
+    done += size_t(n);
+  }
+  return done;
+}
+
+Expected<std::vector<std::byte>> read_file(const fs::path& path) {
+  const auto opened = open_regular(path);
+  if (!opened) return std::unexpected(opened.error());
+  const int file = opened->file;
+  std::vector<std::byte> bytes(size_t(opened->size) + 1);  // one more, to see the end without growing
   size_t done = 0;
   for (;;) {
     if (done == bytes.size()) bytes.resize(2 * done);

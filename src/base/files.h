@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -11,6 +12,23 @@ namespace candela {
 
 // The whole file. Errors (input): absent, no regular file, unreadable; the message names what it is or the reason.
 Expected<std::vector<std::byte>> read_file(const std::filesystem::path& path);
+
+// A file whose parts are read as they are needed. The same errors as read_file().
+class FileReader {
+ public:
+  static Expected<FileReader> open(const std::filesystem::path& path);
+  FileReader(FileReader&& other) noexcept : file_(std::exchange(other.file_, -1)), size_(other.size_) {}
+  FileReader& operator=(FileReader&& other) noexcept;
+  ~FileReader();
+  uint64_t size() const { return size_; }
+  // As many bytes as there are, at most those of the span; fewer at the end, or where the file cannot be read.
+  size_t read_at(uint64_t offset, std::span<std::byte> bytes) const;
+
+ private:
+  FileReader(int file, uint64_t size) : file_(file), size_(size) {}
+  int file_ = -1;
+  uint64_t size_ = 0;
+};
 
 // Removes the temporaries (base/prepared_file.h) that runs which were killed left beside these targets: those whose
 // process is gone from this machine. Of other targets none, because they may be written by another machine.

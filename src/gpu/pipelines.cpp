@@ -12,6 +12,7 @@
 #include "base/log.h"
 #include "gpu/device_select.h"
 #include "gpu/frame_runner.h"
+#include "gpu/specialize.h"
 #include "gpu/workgroup_size.h"
 
 namespace candela::gpu {
@@ -107,6 +108,7 @@ Pipelines::Pipelines(Device& device, Bindless& bindless, glsl::ShaderCompiler co
                      std::filesystem::path cache_folder)
     : device_(device), bindless_(bindless), compiler_(std::move(compiler)), cache_folder_(std::move(cache_folder)) {
   vkGetPhysicalDeviceFeatures(device.physical(), &features_);  // what is optional is on where it is present
+  specializes_ = device_.info().is_cpu;
   load_cache();
 }
 
@@ -192,7 +194,9 @@ void Pipelines::make_modules(std::span<const PipelineDesc> wanted) {
   for (const PipelineDesc& desc : wanted)
     for (const std::string& file : shaders_of(desc)) {
       Shader& shader = shaders_.at(file);
-      if (shader.module) continue;
+      // Vertex shaders stay whole: lavapipe 25.0.7 takes one output for another where all are written in one block.
+      const auto* drawing = std::get_if<GraphicsPipelineDesc>(&desc);
+      if (shader.module || (specializes_ && !(drawing && file == drawing->vertex_shader))) continue;
       VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
       info.codeSize = shader.spirv.size() * 4;
       info.pCode = shader.spirv.data();
@@ -252,7 +256,23 @@ Expected<std::vector<const Pipeline*>> Pipelines::get(std::span<const PipelineDe
   return result;
 }
 
-VkShaderModule Pipelines::module(const std::string& file) const { return shaders_.at(file).module; }
+Pipelines::Module Pipelines::module(const std::string& file, const std::vector<SpecConstant>& constants) const {
+  const Shader& shader = shaders_.at(file);
+  Module made;
+  made.handle = shader.module;
+  if (made.handle) return made;
+  const std::vector<uint32_t> code = specialized(shader.spirv, constants);
+  VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+  info.codeSize = code.size() * 4;
+  info.pCode = code.data();
+  VK_CHECK(vkCreateShaderModule(device_.handle(), &info, nullptr, &made.handle));
+  made.owner = device_.handle();
+  device_.set_name(VK_OBJECT_TYPE_SHADER_MODULE, uint64_t(made.handle), file);
+  return made;
+}
+Pipelines::Module::~Module() {
+  if (owner) vkDestroyShaderModule(owner, handle, nullptr);
+}
 
 void Pipelines::check_queries(const std::string& file) const {
   constexpr uint32_t ray_query = 4472;  // of SPIR-V
@@ -270,7 +290,8 @@ Pipeline Pipelines::make(const ComputePipelineDesc& desc) const {
   info.flags = VK_PIPELINE_CREATE_DISPATCH_BASE_BIT;  // CommandList::dispatch_picture
   info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
   info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-  info.stage.module = module(desc.shader);
+  const Module code = module(desc.shader, desc.constants);
+  info.stage.module = code.handle;
   info.stage.pName = "main";
   info.stage.pSpecializationInfo = &specialization.info;
   info.layout = bindless_.layout();
@@ -284,10 +305,11 @@ Pipeline Pipelines::make(const ComputePipelineDesc& desc) const {
 Pipeline Pipelines::make(const GraphicsPipelineDesc& desc) const {
   const Specialization specialization(desc.constants);
   std::vector<VkPipelineShaderStageCreateInfo> stages;
+  std::vector<Module> modules;
   const auto add_stage = [&](VkShaderStageFlagBits stage, const std::string& file) {
     VkPipelineShaderStageCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
     info.stage = stage;
-    info.module = module(file);
+    info.module = modules.emplace_back(module(file, desc.constants)).handle;
     info.pName = "main";
     info.pSpecializationInfo = &specialization.info;
     stages.push_back(info);
@@ -375,10 +397,11 @@ Pipeline Pipelines::make(const RayPipelineDesc& desc) const {
       {VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR, &desc.closest_hit_shader},
       {VK_SHADER_STAGE_ANY_HIT_BIT_KHR, &desc.any_hit_shader}};
   std::vector<VkPipelineShaderStageCreateInfo> stage_infos;
+  std::vector<Module> modules;
   for (const auto& [stage, file] : stages) {
     VkPipelineShaderStageCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
     info.stage = stage;
-    info.module = module(*file);
+    info.module = modules.emplace_back(module(*file, desc.constants)).handle;
     info.pName = "main";
     info.pSpecializationInfo = &specialization.info;
     stage_infos.push_back(info);

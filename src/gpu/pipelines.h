@@ -48,7 +48,15 @@ class Pipelines {
   Pipeline make(const GraphicsPipelineDesc& desc) const;
   Pipeline make(const RayPipelineDesc& desc) const;
   void check_queries(const std::string& file) const;
-  VkShaderModule module(const std::string& file) const;
+  // Of the shader, or one of its own of what the constants leave of it (gpu/specialize.h), which ends with it.
+  struct Module {
+    Module() = default;
+    Module(Module&& other) noexcept : handle(other.handle), owner(std::exchange(other.owner, nullptr)) {}
+    ~Module();
+    VkShaderModule handle = VK_NULL_HANDLE;
+    VkDevice owner = nullptr;
+  };
+  Module module(const std::string& file, const std::vector<SpecConstant>& constants) const;
   void load_cache();
   void save_cache();
 
@@ -57,6 +65,7 @@ class Pipelines {
   glsl::ShaderCompiler compiler_;
   std::filesystem::path cache_folder_;
   VkPhysicalDeviceFeatures features_{};
+  bool specializes_ = false;  // a CPU device, whose driver takes long over code that is never reached
   VkPipelineCache cache_ = VK_NULL_HANDLE;
   Hash128 on_disk_;  // of the data in the cache file
   struct Shader {

@@ -1,3 +1,6 @@
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <cstring>
 
 #include "base/check.h"
@@ -116,6 +119,11 @@ struct Uploader::Hidden {
     begin();
     return staging_bytes - used;
   }
+
+  template <class Copied>
+  void copy_level(Texture& target, const TextureData& data, uint32_t level, Copied copied);
+  template <class Copied>  // copied(bytes, count): the first bytes of a level have been copied
+  void copy_levels(Texture& target, const TextureData& data, Copied copied);
 };
 
 Uploader::Uploader(Device& device, uint64_t staging_bytes) : hidden_(std::make_unique<Hidden>(device, staging_bytes)) {}
@@ -138,36 +146,56 @@ void Uploader::to_buffer(Buffer& target, uint64_t offset, std::span<const std::b
   }
 }
 
-void Uploader::to_texture(Texture& target, const TextureData& data) {
-  Hidden& hidden = *hidden_;
-  hidden.begin();
-  texture_barrier(hidden.commands, target.image(), VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+template <class Copied>
+void Uploader::Hidden::copy_level(Texture& target, const TextureData& data, uint32_t level, Copied copied) {
   const uint32_t block = block_height(data.format);
-  for (uint32_t level = 0; level < data.levels.size(); ++level) {
-    const uint32_t width = std::max(1u, data.width >> level), height = std::max(1u, data.height >> level);
-    const uint32_t rows = (height + block - 1) / block;
-    const std::vector<std::byte>& bytes = data.levels[level];
-    CHECK(!bytes.empty() && bytes.size() % rows == 0);
-    const uint64_t row_bytes = bytes.size() / rows;
-    CHECK(row_bytes <= hidden.staging_bytes);
-    hidden.device.count_uploaded(bytes.size());
-    for (uint32_t row = 0; row < rows;) {
-      const uint32_t part = uint32_t(std::min<uint64_t>(hidden.room(row_bytes) / row_bytes, rows - row));
-      std::memcpy(hidden.staging.mapped() + hidden.used, bytes.data() + row * row_bytes, part * row_bytes);
-      VkBufferImageCopy region{};
-      region.bufferOffset = hidden.used;
-      region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, 1};
-      region.imageOffset = {0, int32_t(row * block), 0};
-      region.imageExtent = {width, std::min(part * block, height - row * block), 1};
-      vkCmdCopyBufferToImage(hidden.commands, hidden.staging.handle(), target.image(),
-                             VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
-      hidden.used += part * row_bytes;
-      row += part;
-    }
+  const uint32_t width = std::max(1u, data.width >> level), height = std::max(1u, data.height >> level);
+  const uint32_t rows = (height + block - 1) / block;
+  const std::vector<std::byte>& bytes = data.levels[level];
+  CHECK(!bytes.empty() && bytes.size() % rows == 0);
+  const uint64_t row_bytes = bytes.size() / rows;
+  CHECK(row_bytes <= staging_bytes);
+  device.count_uploaded(bytes.size());
+  for (uint32_t row = 0; row < rows;) {
+    const uint32_t part = uint32_t(std::min<uint64_t>(room(row_bytes) / row_bytes, rows - row));
+    std::memcpy(staging.mapped() + used, bytes.data() + row * row_bytes, part * row_bytes);
+    VkBufferImageCopy region{};
+    region.bufferOffset = used;
+    region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, 1};
+    region.imageOffset = {0, int32_t(row * block), 0};
+    region.imageExtent = {width, std::min(part * block, height - row * block), 1};
+    vkCmdCopyBufferToImage(commands, staging.handle(), target.image(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+                           &region);
+    used += part * row_bytes;
+    row += part;
+    copied(bytes.data(), row * row_bytes);
   }
-  hidden.begin();
-  texture_barrier(hidden.commands, target.image(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+}
+
+template <class Copied>
+void Uploader::Hidden::copy_levels(Texture& target, const TextureData& data, Copied copied) {
+  begin();
+  texture_barrier(commands, target.image(), VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  for (uint32_t level = 0; level < data.levels.size(); ++level) {
+    copy_level(target, data, level, copied);
+  }
+  begin();
+  texture_barrier(commands, target.image(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                   VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+}
+
+void Uploader::to_texture(Texture& target, const TextureData& data) {
+  hidden_->copy_levels(target, data, [](const std::byte*, size_t) {});
+}
+void Uploader::to_texture(Texture& target, TextureData&& data) {
+  // Its pages, for a device that shares the memory fills the texture's meanwhile. They read as zeros from then on.
+  const uint64_t page = uint64_t(sysconf(_SC_PAGESIZE));
+  hidden_->copy_levels(target, data, [&](const std::byte* bytes, size_t done) {
+    const auto first = (reinterpret_cast<uintptr_t>(bytes) + page - 1) / page * page,
+               end = (reinterpret_cast<uintptr_t>(bytes) + done) / page * page;
+    if (end > first) madvise(reinterpret_cast<void*>(first), end - first, MADV_DONTNEED);
+  });
+  data.levels.clear();
 }
 
 std::span<std::byte> Uploader::texture_room(Texture& target, VkFormat format, uint32_t width, uint32_t height,

@@ -9,6 +9,7 @@
 
 #include "base/input.h"
 #include "base/text.h"
+#include "image/sky_rows.h"
 
 namespace candela {
 namespace {
@@ -65,6 +66,19 @@ struct Face {
                     y - y0);
   }
 };
+
+// In place: what is read is never before what is written.
+void halve(Face& face) {
+  const size_t side = size_t(face.side) / 2, row = size_t(face.side);
+  for (size_t y = 0; y < side; ++y)
+    for (size_t x = 0; x < side; ++x) {
+      const glm::vec3* at = face.texels.data() + 2 * y * row + 2 * x;
+      face.texels[y * side + x] = 0.25f * (at[0] + at[1] + at[row] + at[row + 1]);
+    }
+  face.side = int(side);
+  face.texels.resize(side * side);
+  face.texels.shrink_to_fit();
+}
 
 float linear_of(float code) {
   return code <= 0.04045f ? code / 12.92f : float(std::pow((double(code) + 0.055) / 1.055, 2.4));
@@ -142,19 +156,21 @@ Expected<DecodedImage> read_cube_faces(const fs::path& sky, uint64_t before_byte
   const auto files = cube_face_files(sky);
   if (!files) return std::unexpected(files.error());
   std::array<Face, 6> faces;
+  int side = 0;  // of the files'
   for (size_t i = 0; i < 6; ++i) {
     auto face = read_face((*files)[i]);
     if (!face) return std::unexpected(face.error());
-    faces[i] = std::move(*face);
-    if (faces[i].side != faces[0].side)
+    if (i == 0) side = face->side;
+    if (face->side != side)
       return fail(ErrorKind::input, (*files)[i].string(), "is {} pixels wide, and {} {}; the faces of a sky are alike",
-                  faces[i].side, (*files)[0].filename().string(), faces[0].side);
+                  face->side, (*files)[0].filename().string(), side);
+    while (4 * face->side > most_sky_width && face->side % 2 == 0) halve(*face);
+    faces[i] = std::move(*face);
   }
-  constexpr int most_width = 16384;
-  DecodedImage out{std::min(4 * faces[0].side, most_width), 0, DecodedImage::Format::rgba32f, 3, {}};
+  DecodedImage out{std::min(4 * faces[0].side, most_sky_width), 0, DecodedImage::Format::rgba32f, 3, {}};
   out.height = std::max(out.width / 2, 1);
   const uint64_t bytes = uint64_t(out.width) * uint64_t(out.height) * 16;
-  if (auto fits = charge_decoded(before_bytes, bytes / 3 * 4, sky.string()); !fits)
+  if (auto fits = charge_decoded(before_bytes, sky_bytes(out.width, out.height), sky.string()); !fits)
     return std::unexpected(fits.error());
   out.pixels.resize(bytes);
   auto* texel = reinterpret_cast<float*>(out.pixels.data());

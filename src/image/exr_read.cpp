@@ -11,6 +11,7 @@
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfRationalAttribute.h>
 #include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfThreading.h>
 
 #include <cstring>
 #include <mutex>
@@ -18,6 +19,7 @@
 
 #include "base/input.h"
 #include "image/exr.h"
+#include "image/sky_rows.h"
 
 namespace candela {
 namespace {
@@ -40,6 +42,25 @@ class MemoryInput : public Imf::IStream {
  private:
   std::span<const std::byte> bytes_;
   uint64_t position_ = 0, farthest_ = 0;
+};
+
+// Parts of a file as they are asked for.
+class FileInput : public Imf::IStream {
+ public:
+  explicit FileInput(const FileReader& file) : Imf::IStream("file"), file_(file) {}
+  bool read(char target[], int count) override {
+    if (count < 0 ||
+        file_.read_at(position_, std::as_writable_bytes(std::span(target, size_t(count)))) != size_t(count))
+      throw std::runtime_error("the file ends early");
+    position_ += uint64_t(count);
+    return position_ < file_.size();
+  }
+  uint64_t tellg() override { return position_; }
+  void seekg(uint64_t position) override { position_ = position; }
+
+ private:
+  const FileReader& file_;
+  uint64_t position_ = 0;
 };
 
 // Lines per block, and how many bytes of pixels one byte of the file can hold at most: deflate gives 1032 (pxr24 stores
@@ -198,6 +219,69 @@ Expected<ImageInfo> probe_exr(std::span<const std::byte> bytes, const std::strin
     return ImageInfo{window.max.x - window.min.x + 1, window.max.y - window.min.y + 1, channel_count(header), 32};
   }
   return fail(ErrorKind::input, place, "holds deep data only, which is not supported");
+} catch (const std::bad_alloc&) {
+  return fail(ErrorKind::out_of_memory, place, "not enough memory to read the image");
+} catch (const std::exception& e) {
+  return fail(ErrorKind::input, place, "is not a readable EXR image: {}", e.what());
+}
+
+namespace {
+// Its colours, in order, and how many there are; nothing: it has none.
+std::optional<std::pair<std::array<std::string, 3>, int>> colours_of(const Imf::Header& header) {
+  const auto has = [&](const char* name) {
+    const Imf::Channel* channel = header.channels().findChannel(name);
+    return channel && channel->type != Imf::UINT;
+  };
+  if (has("R") && has("G") && has("B")) return {{{"R", "G", "B"}, 3}};
+  if (!header.channels().findChannel("R") && has("Y")) return {{{"Y", "Y", "Y"}, 1}};
+  return {};
+}
+}  // namespace
+
+Expected<void> read_exr_rows(const FileReader& reader, const std::string& place, SkyRowSink& sink) try {
+  limit_sizes();
+  start_exr_threads();
+  FileInput input(reader);
+  Imf::MultiPartInputFile file(input, Imf::globalThreadCount());
+  int p = 0;
+  while (p < file.parts() && file.header(p).hasType() && !Imf::isImage(file.header(p).type())) ++p;
+  if (p == file.parts()) return fail(ErrorKind::input, place, "holds deep data only, which is not supported");
+  const Imf::Header& header = file.header(p);
+  check_size(header, reader.size());
+  // Only what it becomes is charged: time is bounded as probe_image() bounds it.
+  const Imath::Box2i window = header.dataWindow();
+  const int width = window.max.x - window.min.x + 1, height = window.max.y - window.min.y + 1;
+  if (const uint64_t pixels = uint64_t(width) * uint64_t(height);
+      pixels > uint64_t(1) << 27 && pixels / 64 > reader.size())
+    return fail(ErrorKind::input, place, "{}x{} pixels are out of proportion to {} bytes", width, height,
+                reader.size());
+  // Channels of later parts have the part's name before theirs.
+  const auto colours = p == 0 ? colours_of(header) : std::nullopt;
+  if (!colours) return fail(ErrorKind::input, place, "an environment needs the channels R, G and B, or Y");
+  if (auto fits = sink.begin({width, height, colours->second, 32}); !fits) return fits;
+  // As many lines as the largest block has.
+  const int strip = std::min(256, height), planes = colours->second;
+  std::vector<float> values(size_t(strip) * size_t(width) * size_t(planes));
+  const size_t plane_size = size_t(strip) * size_t(width);
+  Imf::InputPart part(file, p);
+  for (int first = 0; first < height; first += strip) {
+    const int count = std::min(strip, height - first);
+    const Imath::Box2i lines({window.min.x, window.min.y + first}, {window.max.x, window.min.y + first + count - 1});
+    Imf::FrameBuffer frame;
+    for (int c = 0; c < planes; ++c)
+      frame.insert(colours->first[size_t(c)],
+                   Imf::Slice::Make(Imf::FLOAT, values.data() + size_t(c) * plane_size, lines));
+    part.setFrameBuffer(frame);
+    part.readPixels(lines.min.y, lines.max.y);
+    sink.add(first, count, [&](int row, float* texels) {
+      const float* from = values.data() + size_t(row - first) * size_t(width);
+      for (int x = 0; x < width; ++x) {
+        for (int c = 0; c < 3; ++c) texels[4 * x + c] = from[size_t(planes == 3 ? c : 0) * plane_size + size_t(x)];
+        texels[4 * x + 3] = 1;
+      }
+    });
+  }
+  return {};
 } catch (const std::bad_alloc&) {
   return fail(ErrorKind::out_of_memory, place, "not enough memory to read the image");
 } catch (const std::exception& e) {

@@ -6,6 +6,9 @@
 #include <charconv>
 #include <cstring>
 
+#include "image/exr.h"
+#include "image/sky_rows.h"
+
 namespace candela {
 namespace {
 
@@ -87,7 +90,8 @@ class LineReader {
  public:
   LineReader(std::span<const std::byte> data, int width) : data_(data), width_(size_t(width)) {}
 
-  bool read(std::vector<uint8_t>& line) {
+  size_t consumed() const { return at_; }
+  bool read(std::span<uint8_t> line) {
     if (width_ >= 8 && width_ < 32768 && left() >= 4 && byte(0) == 2 && byte(1) == 2 && byte(2) < 128) {
       if (size_t(byte(2)) << 8 != (width_ & 0x7f00) || byte(3) != (width_ & 0xff)) return false;
       at_ += 4;
@@ -102,7 +106,7 @@ class LineReader {
   size_t left() const { return data_.size() - at_; }
   uint8_t byte(size_t offset) const { return uint8_t(data_[at_ + offset]); }
 
-  bool read_runs(std::vector<uint8_t>& line, int component) {
+  bool read_runs(std::span<uint8_t> line, int component) {
     for (size_t x = 0; x < width_;) {
       if (left() < 2) return false;
       const bool repeats = byte(0) > 128;
@@ -117,7 +121,7 @@ class LineReader {
 
   // The format of 1985: plain pixels, where (1,1,1,n) repeats the last one n times, shifted by 8 for each repeat in a
   // row.
-  bool read_flat(std::vector<uint8_t>& line) {
+  bool read_flat(std::span<uint8_t> line) {
     int shift = 0;
     for (size_t x = 0; x < width_;) {
       if (left() < 4) return false;
@@ -153,34 +157,89 @@ Expected<ImageInfo> probe_hdr(std::span<const std::byte> bytes, const std::strin
   return ImageInfo{head->width, head->height, 3, 32};
 }
 
+namespace {
+// Run lengths hold at most 127 pixels in 8 bytes, so 16 pixels a byte is the rule for sizes out of proportion. (The
+// repeats of 1985 could hold more in a picture of a single colour.)
+Expected<void> check_size(const Head& head, uint64_t file_bytes, int max_side, const std::string& place) {
+  if (head.width > max_side || head.height > max_side)
+    return fail(ErrorKind::input, place, "{}x{} pixels are more than {} on a side", head.width, head.height, max_side);
+  if (uint64_t(head.width) * uint64_t(head.height) / 16 > file_bytes - head.pixels_at)
+    return fail(ErrorKind::input, place, "{}x{} pixels cannot be held by {} bytes: the file is truncated", head.width,
+                head.height, file_bytes);
+  return {};
+}
+
+// Of each shared exponent.
+std::array<float, 256> scales_of(const Head& head) {
+  std::array<float, 256> scales{};
+  for (int e = 1; e < 256; ++e) scales[size_t(e)] = std::ldexp(1.0f, e - 136) / head.exposure;
+  return scales;
+}
+void decode_line(const Head& head, const std::array<float, 256>& scales, const uint8_t* line, float* target) {
+  for (int x = 0; x < head.width; ++x) {
+    const uint8_t* p = line + size_t(head.from_right ? head.width - 1 - x : x) * 4;
+    for (int c = 0; c < 3; ++c) target[x * 4 + c] = float(p[c]) * scales[p[3]];
+    target[x * 4 + 3] = 1.0f;
+  }
+}
+}  // namespace
+
 Expected<DecodedImage> decode_hdr(std::span<const std::byte> bytes, const std::string& place, int max_side) {
   auto head = parse_head(bytes, place);
   if (!head) return std::unexpected(head.error());
+  if (auto fits = check_size(*head, bytes.size(), max_side, place); !fits) return std::unexpected(fits.error());
   const int width = head->width, height = head->height;
-  if (width > max_side || height > max_side)
-    return fail(ErrorKind::input, place, "{}x{} pixels are more than {} on a side", width, height, max_side);
-  const auto data = bytes.subspan(head->pixels_at);
-  // Run lengths hold at most 127 pixels in 8 bytes, so 16 pixels a byte is the rule for sizes out of proportion. (The
-  // repeats of 1985 could hold more in a picture of a single colour.)
-  if (uint64_t(width) * uint64_t(height) / 16 > data.size())
-    return fail(ErrorKind::input, place, "{}x{} pixels cannot be held by {} bytes: the file is truncated", width,
-                height, bytes.size());
   DecodedImage image{width, height, DecodedImage::Format::rgba32f, 3, {}};
   image.pixels.resize(size_t(width) * size_t(height) * 16);
   auto* out = reinterpret_cast<float*>(image.pixels.data());
+  const auto scales = scales_of(*head);
   std::vector<uint8_t> line(size_t(width) * 4);
-  LineReader reader(data, width);
+  LineReader reader(bytes.subspan(head->pixels_at), width);
   for (int row = 0; row < height; ++row) {
     if (!reader.read(line)) return fail(ErrorKind::input, place, "line {} of {} is truncated or damaged", row, height);
-    float* target = out + size_t(head->from_bottom ? height - 1 - row : row) * size_t(width) * 4;
-    for (int x = 0; x < width; ++x) {
-      const uint8_t* p = &line[size_t(head->from_right ? width - 1 - x : x) * 4];
-      const float scale = p[3] == 0 ? 0.0f : std::ldexp(1.0f, int(p[3]) - 136) / head->exposure;
-      for (int c = 0; c < 3; ++c) target[x * 4 + c] = float(p[c]) * scale;
-      target[x * 4 + 3] = 1.0f;
-    }
+    decode_line(*head, scales, line.data(),
+                out + size_t(head->from_bottom ? height - 1 - row : row) * size_t(width) * 4);
   }
   return image;
+}
+
+Expected<void> read_hdr_rows(const FileReader& file, const std::string& place, SkyRowSink& sink) {
+  std::vector<std::byte> window(std::min<uint64_t>(file.size(), 65536));
+  window.resize(file.read_at(0, window));
+  auto head = parse_head(window, place);
+  if (!head) return std::unexpected(head.error());
+  if (auto fits = check_size(*head, file.size(), max_exr_side, place); !fits) return fits;
+  const int width = head->width, height = head->height;
+  if (auto fits = sink.begin({width, height, 3, 32}); !fits) return fits;
+  const auto scales = scales_of(*head);
+  // The longest line has a count for each byte of each pixel.
+  const size_t longest = size_t(width) * 8 + 4;
+  constexpr size_t ahead = size_t(8) << 20;
+  uint64_t at = head->pixels_at;  // in the file, of the window's first byte
+  size_t used = 0;
+  window.clear();
+  const int strip = std::min(256, height);
+  std::vector<uint8_t> lines(size_t(strip) * size_t(width) * 4);
+  for (int first = 0; first < height; first += strip) {
+    const int count = std::min(strip, height - first);
+    for (int i = 0; i < count; ++i) {
+      if (window.size() - used < longest && at + window.size() < file.size()) {
+        at += used, used = 0;
+        window.resize(std::min<uint64_t>(file.size() - at, ahead + longest));
+        window.resize(file.read_at(at, window));
+      }
+      LineReader reader(std::span<const std::byte>(window).subspan(used), width);
+      if (!reader.read(std::span(lines).subspan(size_t(i) * size_t(width) * 4, size_t(width) * 4)))
+        return fail(ErrorKind::input, place, "line {} of {} is truncated or damaged", first + i, height);
+      used += reader.consumed();
+    }
+    const int top = head->from_bottom ? height - first - count : first;
+    sink.add(top, count, [&](int row, float* texels) {
+      const int line = head->from_bottom ? count - 1 - (row - top) : row - top;
+      decode_line(*head, scales, lines.data() + size_t(line) * size_t(width) * 4, texels);
+    });
+  }
+  return {};
 }
 
 }  // namespace candela

@@ -4,9 +4,6 @@
 
 #include "base/files.h"
 #include "base/input.h"
-#include "base/log.h"
-#include "image/cube_faces.h"
-#include "image/environment_file.h"
 #include "image/exr.h"
 #include "image/hdr.h"
 #include "image/ktx2.h"
@@ -108,47 +105,6 @@ bool is_texture_format(std::span<const std::byte> bytes) {
   return starts("\x89PN") || starts("\xff\xd8\xff") || is_hdr(bytes) || is_webp(bytes) || is_ktx2(bytes);
 }
 
-Expected<DecodedImage> environment_from_exr(const FloatImage& image, const std::string& place) {
-  const Channel* grey = image.find("Y");
-  std::array<const Channel*, 3> colour = {image.find("R"), image.find("G"), image.find("B")};
-  if (!colour[0] && grey) colour = {grey, grey, grey};
-  for (const Channel* channel : colour)
-    if (!channel || channel->type == ChannelType::uint32)
-      return fail(ErrorKind::input, place, "an environment needs the channels R, G and B, or Y");
-  DecodedImage decoded{image.width, image.height, DecodedImage::Format::rgba32f, grey ? 1 : 3, {}};
-  const size_t count = size_t(image.width) * size_t(image.height);
-  decoded.pixels.resize(count * 16);
-  auto* out = reinterpret_cast<float*>(decoded.pixels.data());
-  for (size_t i = 0; i < count; ++i) {
-    for (size_t c = 0; c < 3; ++c) out[i * 4 + c] = colour[c]->f[i];
-    out[i * 4 + 3] = 1.0f;
-  }
-  return decoded;
-}
-
-// One infinite or NaN texel would spread over the whole frame by filtering; light cannot be negative.
-void make_usable(DecodedImage& image, const std::string& place, std::vector<std::string>& warnings) {
-  auto* texels = reinterpret_cast<float*>(image.pixels.data());
-  size_t nonfinite = 0, negative = 0;
-  for (size_t i = 0; i < image.pixels.size() / 16; ++i) {
-    bool has_nonfinite = false, has_negative = false;
-    for (size_t c = 0; c < 3; ++c) {
-      float& value = texels[i * 4 + c];
-      has_nonfinite |= !std::isfinite(value);
-      has_negative |= value < 0 && std::isfinite(value);
-      if (std::isnan(value) || value < 0) value = 0;
-      if (std::isinf(value)) value = 65504;  // what half could not hold: the sun stays the brightest
-    }
-    nonfinite += has_nonfinite;
-    negative += has_negative;
-  }
-  if (nonfinite)
-    warnings.push_back(
-        fmt::format("{}: {} texels are not finite; infinity is taken as 65504, the rest as 0", place, nonfinite));
-  if (negative)
-    warnings.push_back(fmt::format("{}: {} texels are negative; those values are taken as 0", place, negative));
-}
-
 }  // namespace
 
 Expected<PreparedFile> prepare_png(const std::filesystem::path& path, const DisplayView& image,
@@ -175,41 +131,6 @@ Expected<FloatImage> read_image(const std::filesystem::path& path) {
   auto decoded = decode_image(*bytes, path.string(), max_exr_side);
   if (!decoded) return std::unexpected(decoded.error());
   return from_decoded(*decoded);
-}
-
-Expected<DecodedImage> read_environment(const std::filesystem::path& path) {
-  std::vector<std::string> warnings;
-  auto image = read_environment(path, warnings);
-  for (const std::string& warning : warnings) log::warning("{}", warning);
-  return image;
-}
-
-Expected<DecodedImage> read_environment(const std::filesystem::path& path, std::vector<std::string>& warnings,
-                                        uint64_t before_bytes) {
-  if (names_cube_faces(path)) {
-    auto cube = read_cube_faces(path, before_bytes);
-    if (cube) make_usable(*cube, path.string(), warnings);
-    return cube;
-  }
-  auto bytes = read_file(path);
-  if (!bytes) return std::unexpected(bytes.error());
-  if (!is_exr(*bytes) && !is_hdr(*bytes))
-    return fail(ErrorKind::input, path.string(),
-                "an environment must be Radiance HDR (.hdr) or OpenEXR (.exr), or a folder of six faces");
-  const auto info = is_exr(*bytes) ? probe_exr(*bytes, path.string()) : probe_hdr(*bytes, path.string());
-  if (!info) return std::unexpected(info.error());
-  if (auto fits = charge_decoded(before_bytes, decoded_bytes_with_mips(*info), path.string()); !fits)
-    return std::unexpected(fits.error());
-  Expected<DecodedImage> decoded;
-  if (is_exr(*bytes)) {
-    auto image = decode_exr(*bytes, path.string());
-    if (!image) return std::unexpected(image.error());
-    decoded = environment_from_exr(*image, path.string());
-  } else {
-    decoded = decode_hdr(*bytes, path.string(), max_exr_side);
-  }
-  if (decoded) make_usable(*decoded, path.string(), warnings);
-  return decoded;
 }
 
 }  // namespace candela

@@ -26,10 +26,10 @@ Expected<void> write_png(const std::filesystem::path& path, const DisplayImage& 
 // file.
 Expected<FloatImage> read_image(const std::filesystem::path& path);
 
-// A texture as the GPU takes it: RGBA, 8 or 16 bits a channel, or float (HDR).
+// A texture as the GPU takes it: RGBA, 8 or 16 bits a channel, float (HDR), or half floats (wide skies).
 struct DecodedImage {
   int width = 0, height = 0;
-  enum class Format { rgba8, rgba16, rgba32f } format = Format::rgba8;
+  enum class Format { rgba8, rgba16, rgba32f, rgba16f } format = Format::rgba8;
   int source_channels = 4;  // channels the file had: 1 grey, 2 grey+alpha, 3, 4
   std::vector<std::byte> pixels;
 };
@@ -46,7 +46,7 @@ Expected<ImageInfo> probe_image(std::span<const std::byte> encoded, const std::s
 // pixel counts that no file of this length could encode.
 Expected<DecodedImage> decode_image(std::span<const std::byte> encoded, const std::string& place, int max_side = 16384);
 // An environment as rgba32f: equirectangular (.hdr or .exr), or six faces (cube_faces.h). Non-finite and negative
-// values become 0 with a warning.
+// values become 0 with a warning; larger ones than 8192x4096 become means of their texels (sky_rows.h).
 Expected<DecodedImage> read_environment(const std::filesystem::path& path);
 
 }  // namespace candela

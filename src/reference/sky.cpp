@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/rng.h"
+#include "image/sky_texel.h"
 #include "reference/brdf.h"
 #include "scene/environment.h"
 #include "scene/studio.h"
@@ -26,6 +27,8 @@ Place place_of(const double* end, int count, double u) {
   const double low = index > 0 ? end[index - 1] : 0, width = end[index] - low;
   return {index, width > 0 ? std::clamp((u - low) / width, 0.0, 1.0) : 0.5};
 }
+
+glm::vec3 rgb_of(const SkyTexel& t) { return {t[0], t[1], t[2]}; }
 
 // Turns weights into cumulative shares. Without any weight all cells are alike.
 void accumulate(double* weights, int count) {
@@ -52,7 +55,7 @@ Sky::Sky(const DecodedImage& image, double turn_rad, double times)
       image_width_(image.width),
       image_height_(image.height) {
   texels_.resize(size_t(image.width) * size_t(image.height));
-  for (size_t i = 0; i < texels_.size(); ++i) std::memcpy(&texels_[i], image.pixels.data() + i * 16, 12);
+  for (size_t i = 0; i < texels_.size(); ++i) texels_[i] = rgb_of(sky_texel(image, i));
   make_distribution(image.width, image.height);
 }
 
@@ -67,9 +70,7 @@ Sky Sky::sum(std::span<const Part> parts, const std::optional<SkyGradient>& grad
     std::vector<glm::dvec3> sums(size_t(sky.image_width_) * size_t(sky.image_height_));
     for (const Part& part : parts)
       for (size_t i = 0; i < sums.size(); ++i) {
-        glm::vec3 texel;
-        std::memcpy(&texel, part.equirect->pixels.data() + i * 16, 12);
-        sums[i] += part.weight * glm::dvec3(texel);
+        sums[i] += part.weight * glm::dvec3(rgb_of(sky_texel(*part.equirect, i)));
       }
     sky.texels_.assign(sums.begin(), sums.end());
   }

@@ -15,8 +15,8 @@ namespace candela::reference {
 class Sky {
  public:
   Sky() = default;  // black
-  // rgba32f, read bilinearly: longitude wraps, the poles do not. Turned about +Y, counter-clockwise seen from above,
-  // its radiance multiplied.
+  // rgba32f or rgba16f, read bilinearly: longitude wraps, the poles do not. Turned about +Y, counter-clockwise seen
+  // from above, its radiance multiplied.
   explicit Sky(const DecodedImage& equirect, double turn_rad = 0, double times = 1);
   // A weighted sum of such images, all of one size, and of a gradient.
   struct Part {

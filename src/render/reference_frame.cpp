@@ -6,6 +6,7 @@
 #include "base/check.h"
 #include "base/file_uses.h"
 #include "base/text.h"
+#include "image/sky_texel.h"
 #include "job/background.h"
 #include "job/content_hash.h"
 #include "job/job_look.h"
@@ -37,8 +38,8 @@ glm::dvec4 background_of(const std::string& text) {
 void show_suns(reference::Sky& traced, const FrameSky& sky) {
   for (const SkyPart& part : sky.parts)
     for (const SkyTexelBefore& before : part.image->sun_texels) {
-      glm::vec3 left;
-      std::memcpy(&left, part.image->image.pixels.data() + size_t(before.place) * 16, 12);
+      const SkyTexel texel = sky_texel(part.image->image, before.place);
+      const glm::vec3 left(texel[0], texel[1], texel[2]);
       traced.show(before.place, glm::dvec3(part.weight) * glm::dvec3(before.radiance - left));
     }
 }

@@ -1,9 +1,12 @@
 #include "scene/environment.h"
 
-#include <cmath>
-#include <cstring>
-#include <numbers>
+#include <tbb/parallel_for.h>
 
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "image/sky_texel.h"
 #include "math/spherical_harmonics.h"
 
 namespace candela {
@@ -25,22 +28,37 @@ glm::dvec3 equirect_direction(double u, double v) {
 }
 
 AmbientSh project_environment(const DecodedImage& image) {
-  std::array<glm::dvec3, 9> sum{};
   // One direction stands for a cell: texels of small images are cut, or a sky of one texel would shine from its middle
   // alone.
   const int cut_x = (63 + image.width) / image.width, cut_y = (31 + image.height) / image.height;
   const int width = image.width * cut_x, height = image.height * cut_y;
-  for (int y = 0; y < height; ++y) {
+  std::vector<glm::dvec2> columns;  // cosine and sine of the longitude, as equirect_direction() has them
+  for (int x = 0; x < width; ++x) {
+    const double longitude = ((x + 0.5) / width - 0.5) * 2 * pi;
+    columns.emplace_back(std::cos(longitude), std::sin(longitude));
+  }
+  // Blocks of rows of large images are summed by several threads, always the same blocks.
+  const int block_rows = width > 4096 ? 64 : height;
+  std::vector<std::array<glm::dvec3, 9>> sums(size_t((height + block_rows - 1) / block_rows));
+  const auto add_row = [&](int y, std::array<glm::dvec3, 9>& sum) {
     const double top = std::cos(pi * y / height), bottom = std::cos(pi * (y + 1) / height);
     const double solid_angle = 2 * pi / width * (top - bottom);
+    const double polar = (y + 0.5) / height * pi, across = std::sin(polar), up = std::cos(polar);
     for (int x = 0; x < width; ++x) {
-      float texel[4];
-      std::memcpy(texel, image.pixels.data() + (size_t(y / cut_y) * size_t(image.width) + size_t(x / cut_x)) * 16, 16);
-      const auto basis = sh_basis(equirect_direction((x + 0.5) / width, (y + 0.5) / height));
+      const SkyTexel texel = sky_texel(image, size_t(y / cut_y) * size_t(image.width) + size_t(x / cut_x));
+      const glm::dvec2 column = columns[size_t(x)];
+      const auto basis = sh_basis(glm::dvec3(across * column.x, up, across * column.y));
       const glm::dvec3 weighted = glm::dvec3(texel[0], texel[1], texel[2]) * solid_angle;
       for (size_t i = 0; i < 9; ++i) sum[i] += weighted * basis[i];
     }
-  }
+  };
+  tbb::parallel_for(size_t(0), sums.size(), [&](size_t block) {
+    const int first = int(block) * block_rows, end = std::min(first + block_rows, height);
+    for (int y = first; y < end; ++y) add_row(y, sums[block]);
+  });
+  std::array<glm::dvec3, 9> sum = sums.front();
+  for (size_t block = 1; block < sums.size(); ++block)
+    for (size_t i = 0; i < 9; ++i) sum[i] += sums[block][i];
   return convolve(sum);
 }
 

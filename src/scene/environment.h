@@ -14,7 +14,7 @@ using AmbientSh = std::array<glm::vec3, 9>;
 // The direction of an equirectangular texel: the image's middle is +X, u grows towards +Z, the top row is +Y.
 glm::dvec3 equirect_direction(double u, double v);
 
-// Projects an rgba32f equirectangular image, in double with exact solid angles of the rows.
+// Projects an equirectangular image of floats or half floats, in double with exact solid angles of the rows.
 AmbientSh project_environment(const DecodedImage& image);
 
 // The same of that sky turned about +Y, counter-clockwise seen from above, and made brighter.

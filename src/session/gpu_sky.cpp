@@ -85,10 +85,10 @@ std::shared_ptr<GpuSky::Picture> GpuSky::make_picture(const FrameSky& sky) {
   const DecodedImage summed = sky.is_plain() ? DecodedImage{} : sum_of(sky.parts);
   const DecodedImage& image = sky.is_plain() ? sky.parts[0].image->image : summed;
   gpu::Uploader uploader(device_);
-  const auto load = [&](gpu::Texture& texture, const DecodedImage& from, const char* name) {
-    const gpu::TextureData data = make_mip_chain(from, false, true);
+  const auto load = [&](gpu::Texture& texture, DecodedImage from, const char* name) {
+    gpu::TextureData data = make_mip_chain(std::move(from), false, true);
     texture = gpu::Texture(device_, data, name);
-    uploader.to_texture(texture, data);
+    uploader.to_texture(texture, std::move(data));
     return made->add(texture);
   };
   made->background_index = made->image_index = load(made->image, image, "sky");
@@ -96,7 +96,7 @@ std::shared_ptr<GpuSky::Picture> GpuSky::make_picture(const FrameSky& sky) {
   if (apart || sky.blur_deg > 0) {
     DecodedImage seen = apart ? seen_sum_of(sky.parts) : image;
     if (sky.blur_deg > 0) seen = blurred_sky(seen, glm::radians(sky.blur_deg));
-    made->background_index = load(made->background, seen, "sky.background");
+    made->background_index = load(made->background, std::move(seen), "sky.background");
   }
   made->size_px = {image.width, image.height};
   uploader.flush();

@@ -1,10 +1,14 @@
 #include "session/mip_chain.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <cmath>
 #include <cstring>
 
 #include "base/check.h"
 #include "base/scratch.h"
+#include "image/sky_texel.h"
 
 namespace candela {
 namespace {
@@ -57,7 +61,6 @@ float slope_deviation(Texel mean) {
 struct Level {
   int width, height;
   std::vector<Texel> texels;
-  const Texel* row(int y) const { return texels.data() + size_t(y) * size_t(width); }
 };
 
 template <class Code>
@@ -93,7 +96,7 @@ class LinearRows {
     return slot.texels.data();
   }
 
-  const int width, height;
+  int width, height;
 
  private:
   struct Slot {
@@ -113,11 +116,14 @@ class LinearRows {
       case DecodedImage::Format::rgba32f:
         std::memcpy(out, image_.pixels.data() + first * 4, size_t(width) * sizeof(Texel));
         break;
+      case DecodedImage::Format::rgba16f:
+        for (int x = 0; x < width; ++x) out[x] = sky_texel(image_, first / 4 + size_t(x));
+        break;
     }
   }
 
   const DecodedImage& image_;
-  const bool with_lengths_;
+  bool with_lengths_;
   const float* curve_ = nullptr;  // code to linear, when the image is sRGB
   std::array<Slot, 3> slots_;
 };
@@ -126,14 +132,18 @@ uint32_t quantise(float v, float scale) { return uint32_t(int(std::clamp(v, 0.0f
 
 // Appends the texels as `format` stores them.
 void append(std::vector<std::byte>& bytes, const Texel* texels, size_t count, VkFormat format) {
-  const size_t texel_size = format == VK_FORMAT_R32G32B32A32_SFLOAT  ? 16
-                            : format == VK_FORMAT_R16G16B16A16_UNORM ? 8
-                                                                     : 4;
+  const size_t texel_size = format == VK_FORMAT_R32G32B32A32_SFLOAT                                             ? 16
+                            : format == VK_FORMAT_R16G16B16A16_UNORM || format == VK_FORMAT_R16G16B16A16_SFLOAT ? 8
+                                                                                                                : 4;
   const size_t start = bytes.size();
   bytes.resize(start + count * texel_size);
   std::byte* const out = bytes.data() + start;
   if (format == VK_FORMAT_R32G32B32A32_SFLOAT) {
     std::memcpy(out, texels, count * texel_size);
+  } else if (format == VK_FORMAT_R16G16B16A16_SFLOAT) {
+    auto* halves = reinterpret_cast<uint16_t*>(out);
+    for (size_t i = 0; i < count; ++i)
+      for (size_t k = 0; k < 4; ++k) halves[i * 4 + k] = float_to_half(texels[i][k]);
   } else if (format == VK_FORMAT_R16G16B16A16_UNORM) {
     auto* codes = reinterpret_cast<uint16_t*>(out);
     for (size_t i = 0; i < count; ++i)
@@ -163,15 +173,15 @@ Taps taps(int source_size, int size, int at) {
   return t;
 }
 
-// Rows: Level, LinearRows or StoredRows. out: half as many texels each way, rounded down, at least one.
+// Rows: LinearRows or StoredRows. out: half as many texels each way, rounded down, at least one.
 template <class Rows>
-void half_size(Rows& in, Texel* texel) {
+void half_size(Rows& in, Texel* texel, int first, int end) {
   const int width = std::max(1, in.width / 2), height = std::max(1, in.height / 2);
   const bool even = in.width == 2 * width && in.height == 2 * height;
   Scratch scratch;
   ScratchVector<Taps> columns(&scratch);
   for (int x = 0; !even && x < width; ++x) columns.push_back(taps(in.width, width, x));
-  for (int y = 0; y < height; ++y) {
+  for (int y = first; y < end; ++y) {
     if (even) {  // the general case below with all weights 1/4, to the last bit
       const Texel *above = in.row(2 * y), *below = in.row(2 * y + 1);
       for (int x = 0; x < width; ++x, above += 2, below += 2)
@@ -190,14 +200,6 @@ void half_size(Rows& in, Texel* texel) {
     }
   }
 }
-template <class Rows>
-Level half_size(Rows& in) {
-  Level out{std::max(1, in.width / 2), std::max(1, in.height / 2), {}};
-  out.texels.resize(size_t(out.width) * size_t(out.height));
-  half_size(in, out.texels.data());
-  return out;
-}
-
 // A level of floats as it is stored.
 struct StoredRows {
   int width, height;
@@ -205,20 +207,38 @@ struct StoredRows {
   const Texel* row(int y) const { return texels + size_t(y) * size_t(width); }
 };
 
+// Of large images by several threads, each with rows of its own.
+template <class Rows>
+Level half_size(const Rows& in) {
+  Level out{std::max(1, in.width / 2), std::max(1, in.height / 2), {}};
+  out.texels.resize(size_t(out.width) * size_t(out.height));
+  tbb::parallel_for(tbb::blocked_range<int>(0, out.height, 256), [&](const auto& range) {
+    Rows own = in;
+    half_size(own, out.texels.data() + size_t(range.begin()) * size_t(out.width), range.begin(), range.end());
+  });
+  return out;
+}
+
 }  // namespace
 
-gpu::TextureData make_mip_chain(const DecodedImage& image, bool srgb, bool mipmaps, bool normals) {
+gpu::TextureData make_mip_chain(DecodedImage image, bool srgb, bool mipmaps, bool normals) {
   gpu::TextureData data;
   data.width = uint32_t(image.width);
   data.height = uint32_t(image.height);
-  data.format = image.format == DecodedImage::Format::rgba32f  ? VK_FORMAT_R32G32B32A32_SFLOAT
-                : image.format == DecodedImage::Format::rgba16 ? VK_FORMAT_R16G16B16A16_UNORM
-                : srgb                                         ? VK_FORMAT_R8G8B8A8_SRGB
-                                                               : VK_FORMAT_R8G8B8A8_UNORM;
+  data.format = image.format == DecodedImage::Format::rgba32f   ? VK_FORMAT_R32G32B32A32_SFLOAT
+                : image.format == DecodedImage::Format::rgba16f ? VK_FORMAT_R16G16B16A16_SFLOAT
+                : image.format == DecodedImage::Format::rgba16  ? VK_FORMAT_R16G16B16A16_UNORM
+                : srgb                                          ? VK_FORMAT_R8G8B8A8_SRGB
+                                                                : VK_FORMAT_R8G8B8A8_UNORM;
   const bool as_stored = !normals && !(srgb && image.format == DecodedImage::Format::rgba16);
   const bool single = !mipmaps || (image.width == 1 && image.height == 1);
-  if (as_stored) data.levels.push_back(image.pixels);
-  if (as_stored && single) return data;
+  // Level 0 as it is comes last: the others are made of it.
+  const auto finished = [&] {
+    if (as_stored) data.levels.front() = std::move(image.pixels);
+    return std::move(data);
+  };
+  if (as_stored) data.levels.emplace_back();
+  if (as_stored && single) return finished();
   LinearRows rows(image, srgb, normals);
   std::vector<Texel> stored;
   const auto store = [&](std::vector<std::byte>& bytes, const Texel* texels, size_t count) {
@@ -235,11 +255,11 @@ gpu::TextureData make_mip_chain(const DecodedImage& image, bool srgb, bool mipma
     for (int y = 0; y < image.height; ++y) store(bytes, rows.row(y), size_t(image.width));
   }
   if (single) return data;
-  for (Level level = half_size(rows);; level = half_size(level)) {
+  for (Level level = half_size(rows);; level = half_size(StoredRows{level.width, level.height, level.texels.data()})) {
     store(data.levels.emplace_back(), level.texels.data(), level.texels.size());
     if (level.width == 1 && level.height == 1) break;
   }
-  return data;
+  return finished();
 }
 
 void add_float_levels(gpu::TextureData& data) {
@@ -251,7 +271,7 @@ void add_float_levels(gpu::TextureData& data) {
     const StoredRows rows{width, height, reinterpret_cast<const Texel*>(data.levels[count - 1].data())};
     width = std::max(1, width / 2), height = std::max(1, height / 2);
     data.levels[count].resize(size_t(width) * size_t(height) * sizeof(Texel));
-    half_size(rows, reinterpret_cast<Texel*>(data.levels[count].data()));
+    half_size(rows, reinterpret_cast<Texel*>(data.levels[count].data()), 0, height);
   }
   data.levels.resize(count);
 }

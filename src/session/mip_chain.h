@@ -11,7 +11,7 @@ namespace candela {
 // normals: the image is a normal map. Then alpha says how far the normals that a texel stands for stray from their
 // mean: the standard deviation of their slopes along an axis, up to 1, by the mean's length against that of what it is
 // made of (Toksvig, "Mipmapping Normal Maps", 2005). 0 in level 0.
-gpu::TextureData make_mip_chain(const DecodedImage& image, bool srgb, bool mipmaps, bool normals = false);
+gpu::TextureData make_mip_chain(DecodedImage image, bool srgb, bool mipmaps, bool normals = false);
 
 // Of four linear floats a texel: the levels below the first one, which is there, in the memory that they have. The same
 // texels as make_mip_chain().

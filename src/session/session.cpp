@@ -32,10 +32,6 @@
 namespace candela {
 namespace {
 
-Error as_error(const gpu::GpuError& e) {
-  return {e.out_of_memory() ? ErrorKind::out_of_memory : ErrorKind::device, e.what(), e.place};
-}
-
 class DeviceSession : public Session {
  public:
   DeviceSession(Job job, WantedOutputs wanted, RunSettings settings)
@@ -255,7 +251,7 @@ Expected<void> DeviceSession::open() {
     if (settings_.kept_bytes > 0) kept_ = std::make_unique<gpu::ImageCache>(*device_, settings_.kept_bytes);
     opening_.uploaded_bytes = device_->uploaded_bytes();
   } catch (const gpu::GpuError& e) {
-    return std::unexpected(as_error(e));
+    return std::unexpected(as_error(e, device_.get()));
   }
   return {};
 }
@@ -276,7 +272,7 @@ Expected<void> DeviceSession::choose_again() {
   try {
     return choose_by_device();
   } catch (const gpu::GpuError& e) {
-    return std::unexpected(as_error(e));
+    return std::unexpected(as_error(e, device_.get()));
   }
 }
 
@@ -434,7 +430,7 @@ Expected<FrameTicket> DeviceSession::submit(PlannedFrame& planned, SubmitTimes& 
 }
 
 Error DeviceSession::failed(const gpu::GpuError& error, const FramePlan& plan) const {
-  Error result = as_error(error);
+  Error result = as_error(error, device_.get());
   if (error.result == VK_TIMEOUT && !settings_.timeout_folder.empty())
     result.message += kept_timeout(settings_, job_, device_->info(), plan, result.message);
   return result;

@@ -4,6 +4,18 @@
 #include "base/log_form.h"
 
 namespace candela {
+
+Error as_error(const gpu::GpuError& error, const gpu::Device* device) {
+  Error result{error.out_of_memory() ? ErrorKind::out_of_memory : ErrorKind::device, error.what(), error.place};
+  if (!device || !error.out_of_memory()) return result;
+  const auto mib = [](uint64_t bytes) { return (bytes + (1 << 20) - 1) >> 20; };
+  const gpu::Device::MemoryUse use = device->memory_use();
+  result.message += fmt::format(
+      " (on the device: {} MiB of textures, meshes and sky, {} of the frame's images and buffers, {} for "
+      "its outputs)",
+      mib(use.scene), mib(use.frame), mib(use.readback));
+  return result;
+}
 namespace fs = std::filesystem;
 
 Expected<fs::path> write_timeout_report(const fs::path& where, const TimeoutReport& report) {

@@ -9,6 +9,9 @@
 
 namespace candela {
 
+// Where memory ran out, with what takes it. device: may be null.
+Error as_error(const gpu::GpuError& error, const gpu::Device* device);
+
 // What it takes to see again why a frame did not end in time.
 struct TimeoutReport {
   std::string command;   // line, as a shell takes it

@@ -16,6 +16,8 @@
 #include "base/scratch.h"
 #include "image/cube_faces.h"
 #include "image/environment_file.h"
+#include "image/sky_rows.h"
+#include "image/sky_texel.h"
 #include "job/background.h"
 #include "scene/atmosphere.h"
 #include "scene/gradient_sky.h"
@@ -80,8 +82,7 @@ DecodedImage halved(const DecodedImage& image) {
   return out;
 }
 
-std::shared_ptr<const SkyImage> as_part(DecodedImage image, std::optional<DecodedImage> coarse = {},
-                                        bool passing = false) {
+std::shared_ptr<SkyImage> as_part(DecodedImage image, std::optional<DecodedImage> coarse = {}, bool passing = false) {
   auto part = std::make_shared<SkyImage>();
   part->coarse = std::move(coarse), part->passing = passing;
   part->sh = project_environment(image);
@@ -90,16 +91,62 @@ std::shared_ptr<const SkyImage> as_part(DecodedImage image, std::optional<Decode
   return part;
 }
 
+constexpr float most_half = 65504;
+
+// Wide skies are kept in half floats, which are within 2^-11 of each texel, unless they do not hold all of them: bright
+// ones beyond their range, or so dark ones that the sum of all errors is more than 2^-11 of the sky.
+DecodedImage narrowed(DecodedImage image) {
+  if (image.width <= most_sky_width / 2) return image;
+  DecodedImage out{image.width, image.height, DecodedImage::Format::rgba16f, image.source_channels, {}};
+  out.pixels.resize(image.pixels.size() / 2);
+  struct Row {
+    double sum = 0, error = 0;
+    bool beyond = false;
+  };
+  std::vector<Row> rows(size_t(image.height));
+  tbb::parallel_for(0, image.height, [&](int y) {
+    Row& row = rows[size_t(y)];
+    const size_t first = size_t(y) * size_t(image.width) * 4;
+    const auto* from = reinterpret_cast<const float*>(image.pixels.data()) + first;
+    auto* to = reinterpret_cast<uint16_t*>(out.pixels.data()) + first;
+    for (size_t i = 0; i < size_t(image.width) * 4; ++i) {
+      to[i] = float_to_half(from[i]);
+      row.beyond |= from[i] > most_half;
+      if (i % 4 < 3) row.sum += double(from[i]), row.error += std::abs(double(half_to_float(to[i])) - double(from[i]));
+    }
+  });
+  Row all;
+  for (const Row& row : rows) all.sum += row.sum, all.error += row.error, all.beyond |= row.beyond;
+  return all.beyond || all.error > all.sum / 2048 ? std::move(image) : std::move(out);
+}
+
+// As the background shows a single sky of half floats, where they hold its sun.
+std::optional<DecodedImage> seen_as_halves(const std::vector<SkyPart>& parts) {
+  const SkyImage& sky = *parts[0].image;
+  if (parts.size() != 1 || parts[0].weight != glm::vec3(1) || sky.image.format != DecodedImage::Format::rgba16f ||
+      std::ranges::any_of(sky.sun_texels, [](const SkyTexelBefore& before) {
+        return glm::any(glm::greaterThan(before.radiance, glm::vec3(most_half)));
+      }))
+    return {};
+  DecodedImage out = sky.image;
+  auto* halves = reinterpret_cast<uint16_t*>(out.pixels.data());
+  for (const SkyTexelBefore& before : sky.sun_texels)
+    for (int c = 0; c < 3; ++c) halves[4 * size_t(before.place) + size_t(c)] = float_to_half(before.radiance[c]);
+  return out;
+}
+
+size_t texel_count(const DecodedImage& image) { return size_t(image.width) * size_t(image.height); }
+
 // Decided by the image alone, and so once for all frames. Without word of the look what is a sun by its light, contrast
 // and size; asked for, the brightest spot that is narrow enough.
 std::shared_ptr<const SkyImage> as_part_without_sun(DecodedImage image, std::optional<bool> wanted) {
   std::optional<SkySun> sun = wanted.value_or(true) ? find_sun(image) : std::nullopt;
-  if (!sun || !(wanted ? sun->is_narrow() : sun->is_sun())) return as_part(std::move(image));
+  if (!sun || !(wanted ? sun->is_narrow() : sun->is_sun())) return as_part(narrowed(std::move(image)));
   std::vector<SkyTexelBefore> before = take_sun(image, *sun);
-  SkyImage part = *as_part(std::move(image));
-  part.content = hash128(fmt::format("{} {}", part.content.hex(), hash128(std::as_bytes(std::span(before))).hex()));
-  part.sun = std::move(sun), part.sun_texels = std::move(before);
-  return std::make_shared<const SkyImage>(std::move(part));
+  const std::shared_ptr<SkyImage> part = as_part(narrowed(std::move(image)));
+  part->content = hash128(fmt::format("{} {}", part->content.hex(), hash128(std::as_bytes(std::span(before))).hex()));
+  part->sun = std::move(sun), part->sun_texels = std::move(before);
+  return part;
 }
 
 glm::vec4 texel(const DecodedImage& image, int x, int y) {
@@ -111,7 +158,7 @@ glm::vec4 texel(const DecodedImage& image, int x, int y) {
 }
 
 // Bilinear, to more texels.
-DecodedImage enlarged(const DecodedImage& image, int width, int height) {
+DecodedImage enlarged(DecodedImage image, int width, int height) {
   if (image.width == width && image.height == height) return image;
   DecodedImage out{width, height, DecodedImage::Format::rgba32f, 3, {}};
   out.pixels.resize(size_t(width) * size_t(height) * 16);
@@ -160,35 +207,34 @@ Hash128 FrameSky::key() const {
 DecodedImage sum_of(const std::vector<SkyPart>& parts) {
   const DecodedImage& first = parts.front().image->image;
   DecodedImage out{first.width, first.height, DecodedImage::Format::rgba32f, 3, {}};
-  out.pixels.resize(first.pixels.size());
+  out.pixels.resize(texel_count(first) * sizeof(SkyTexel));
   sum_of(parts, out.pixels);
   return out;
 }
 
 void sum_of(const std::vector<SkyPart>& parts, std::span<std::byte> texels) {
-  for (const SkyPart& part : parts) CHECK(part.image->image.pixels.size() == texels.size());
-  using Texel = float __attribute__((vector_size(16)));
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, texels.size() / sizeof(Texel), 4096), [&](const auto& range) {
-    for (size_t i = range.begin() * sizeof(Texel); i < range.end() * sizeof(Texel); i += sizeof(Texel)) {
-      Texel sum{};
-      for (const SkyPart& part : parts) {
-        Texel t;
-        std::memcpy(&t, part.image->image.pixels.data() + i, sizeof t);
-        sum += Texel{part.weight.x, part.weight.y, part.weight.z, 0} * t;
-      }
+  const size_t count = texels.size() / sizeof(SkyTexel);
+  for (const SkyPart& part : parts) CHECK(texel_count(part.image->image) == count);
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 4096), [&](const auto& range) {
+    for (size_t i = range.begin(); i < range.end(); ++i) {
+      SkyTexel sum{};
+      for (const SkyPart& part : parts)
+        sum += SkyTexel{part.weight.x, part.weight.y, part.weight.z, 0} * sky_texel(part.image->image, i);
       sum[3] = 1;
-      std::memcpy(texels.data() + i, &sum, sizeof sum);
+      std::memcpy(texels.data() + i * sizeof sum, &sum, sizeof sum);
     }
   });
 }
 
 DecodedImage seen_sum_of(const std::vector<SkyPart>& parts) {
+  if (const auto halves = seen_as_halves(parts)) return *halves;
   DecodedImage out = sum_of(parts);
   const auto texel_of = [&](uint32_t place) { return out.pixels.data() + size_t(place) * 16; };
   for (const SkyPart& part : parts)
     for (const SkyTexelBefore& before : part.image->sun_texels) {
-      glm::vec3 left, sum;
-      std::memcpy(&left, part.image->image.pixels.data() + size_t(before.place) * 16, 12);
+      const SkyTexel texel = sky_texel(part.image->image, before.place);
+      const glm::vec3 left(texel[0], texel[1], texel[2]);
+      glm::vec3 sum;
       std::memcpy(&sum, texel_of(before.place), 12);
       sum = parts.size() == 1 ? part.weight * before.radiance : sum + part.weight * (before.radiance - left);
       std::memcpy(texel_of(before.place), &sum, 12);
@@ -245,12 +291,12 @@ Expected<JobSky> JobSky::read(const Job& job, const Look& look, const Scene& sce
   for (const std::string& file : *files) {
     auto image = read_environment(file, warnings, *bytes);
     if (!image) return std::unexpected(image.error());
-    *bytes += uint64_t(image->pixels.size()) / 3 * 4;
+    *bytes += sky_bytes(image->width, image->height);
     sky.width_ = std::max(sky.width_, image->width), sky.height_ = std::max(sky.height_, image->height);
     images.push_back(std::move(*image));
   }
-  const auto part = [&](const DecodedImage& image) {
-    return as_part_without_sun(enlarged(image, sky.width_, sky.height_), look.sky.extract_sun);
+  const auto part = [&](DecodedImage& image) {
+    return as_part_without_sun(enlarged(std::move(image), sky.width_, sky.height_), look.sky.extract_sun);
   };
   if (source == Source::file) sky.image_ = part(images.front());
   if (has_second(job, look)) sky.second_ = part(images.back());

@@ -20,7 +20,7 @@ namespace candela {
 
 // An equirectangular image (scene/environment.h) that skies are made of.
 struct SkyImage {
-  DecodedImage image;  // rgba32f, without the sun that is taken out of it
+  DecodedImage image;  // rgba32f, wide ones rgba16f; without the sun that is taken out of it
   // What is filtered instead, of skies so smooth that fewer texels hold what surfaces reflect.
   std::optional<DecodedImage> coarse;
   const DecodedImage& to_filter() const { return coarse ? *coarse : image; }

@@ -385,7 +385,7 @@ DividedSky divide_sky(const DecodedImage& sky, const IblKnobs& knobs) {
 }
 
 FilteredSky prefilter_sky(const DecodedImage& image, const IblKnobs& knobs) {
-  CHECK(image.format == DecodedImage::Format::rgba32f);
+  CHECK(image.format == DecodedImage::Format::rgba32f || image.format == DecodedImage::Format::rgba16f);
   FilteredSky out;
   const SkyLevel sky = sky_level(image);
   const bool lights = IblMethod(knobs.method) == IblMethod::lobe;

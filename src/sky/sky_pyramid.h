@@ -2,12 +2,11 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "image/io.h"
+#include "image/sky_texel.h"
 
 namespace candela {
 
 // An equirectangular sky in floats, axes as equirect_direction() has them. A register a texel.
-using SkyTexel = float __attribute__((vector_size(16)));
 struct SkyLevel {
   int width = 0, height = 0;
   std::vector<SkyTexel> texels;

@@ -27,7 +27,16 @@ double luminance(glm::dvec3 c) { return glm::dot(c, glm::dvec3(0.2126, 0.7152, 0
 
 class Texels {
  public:
-  explicit Texels(const DecodedImage& image) : image_(image) {}
+  explicit Texels(const DecodedImage& image) : image_(image) {
+    for (int x = 0; x < width(); ++x) {
+      const double longitude = ((x + 0.5) / width() - 0.5) * 2 * pi;
+      columns_.emplace_back(std::cos(longitude), std::sin(longitude));
+    }
+    for (int y = 0; y < height(); ++y) {
+      const double polar = (y + 0.5) / height() * pi;
+      rows_.emplace_back(std::cos(polar), std::sin(polar));
+    }
+  }
   int width() const { return image_.width; }
   int height() const { return image_.height; }
   double row_rad() const { return pi / height(); }
@@ -40,7 +49,11 @@ class Texels {
   double solid_angle(int y) const {
     return 2 * pi / width() * (std::cos(row_rad() * y) - std::cos(row_rad() * (y + 1)));
   }
-  glm::dvec3 direction(int x, int y) const { return equirect_direction((x + 0.5) / width(), (y + 0.5) / height()); }
+  // What equirect_direction() gives.
+  glm::dvec3 direction(int x, int y) const {
+    const glm::dvec2 column = columns_[size_t(x)], row = rows_[size_t(y)];
+    return {row.y * column.x, row.x, row.y * column.y};
+  }
   // visit(x, y, direction) of the texels whose middles lie within the angle, across the seam and the poles.
   template <class Visit>
   void about(glm::dvec3 middle, double angle, Visit visit) const {
@@ -54,6 +67,7 @@ class Texels {
 
  private:
   const DecodedImage& image_;
+  std::vector<glm::dvec2> columns_, rows_;  // cosines and sines of longitude and polar angle
 };
 
 glm::dvec3 brightest(const Texels& texels) {

@@ -158,6 +158,7 @@ void add_commands(CLI::App& app, Action& action) {
   add_plan(app, action);
   add_facts(app, action);
   add_compare(app, action);
+  add_film(app, action);
   add_sheet(app, action);
   add_golden(app, action);
   add_bench(app, action);

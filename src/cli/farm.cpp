@@ -98,11 +98,15 @@ Expected<FarmJob> farm_job(CLI::App& command, FarmOptions& o, const std::set<std
   job.outputs = s.outputs;
   job.video = s.video;
   job.audio = s.audio;
+  job.video_codec = s.video_codec;
+  job.video_pad = s.video_pad;
   job.rounds = o.rounds;
   job.needs = o.needs;
   job.engine_options = o.engine_options;
   job.job = *decided;
   job.arguments = given_words(command, own);
+  if (s.job.png_bits != JobOptions().png_bits && command.get_option("--png-bits")->count() == 0)
+    job.arguments.insert(job.arguments.end(), {"--png-bits", fmt::format("{}", s.job.png_bits)});  // the film's codec
   if (!film->traced) keep_to_gpu(job, s.job);
   if (auto given = give_film_frames(job); !given) return std::unexpected(given.error());
   s.outputs = job.outputs;
@@ -305,7 +309,7 @@ void add_writer(CLI::App& farm, const char* name, const char* help, Writer write
     command->add_flag("--submit", o->submit, "Submit it");
   }
   std::set<std::string> own = names_of(*command);
-  own.insert({"video", "audio", "config"});
+  own.insert({"video", "video-codec", "video-pad", "audio", "config"});
   add_film_options(*command, o->sequence);
   add_run_options(*command, o->sequence.job);
   command->remove_option(command->get_option("--json"));

@@ -33,7 +33,8 @@ const std::vector<std::pair<std::string, std::vector<std::string>>>& groups() {
       {"How the frame is made",
        {"technique", "transparency", "quality", "samples", "set", "time-budget", "error-budget", "sweep",
         "error-reference"}},
-      {"Film", {"video", "audio", "resume", "cache", "in-flight", "encoders", "shard", "record"}},
+      {"Film",
+       {"video", "video-codec", "video-pad", "audio", "resume", "cache", "in-flight", "encoders", "shard", "record"}},
       {"Tracing",
        {"mode", "spp", "seconds", "noise", "sampler", "bvh", "visibility", "ambient", "ambient-distance", "bounces",
         "fog-steps", "fog-lights", "footprints", "threads", "state"}},
@@ -76,6 +77,9 @@ const std::map<std::string, std::string>& examples() {
        "  candela compare truth.exr frame.exr --heatmap flip.png --limit flip=0.05\n"
        "  candela compare before.png after.png --html difference.html\n"},
       {"tune", "  candela tune scene.glb --size 1920x1080 --seconds 120\n"},
+      {"film",
+       "  candela film film.mp4.frames -o part.mp4               what an interrupted sequence --video has made so far\n"
+       "  candela film 'out/%04d.png' -o film.mov --video-codec prores4444 --fps 25\n"},
       {"sheet", "  candela sheet out/*.png -o sheet.png --columns 4\n"},
       {"bench",
        "  candela bench scene.glb --techniques clustered,forward-plus --report out\n"

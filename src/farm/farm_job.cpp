@@ -31,6 +31,11 @@ class Members {
       result_ = std::unexpected(value.error());
     return *this;
   }
+  // Of jobs that were written before there was one.
+  template <class T>
+  Members& read_where_it_is(const char* key, T& into) {
+    return j_.is_object() && j_.contains(key) ? read(key, into) : *this;
+  }
   const Expected<void>& result() const { return result_; }
 
  private:
@@ -74,6 +79,8 @@ std::string farm_job_json(const FarmJob& job) {
   j["outputs"] = job.outputs;
   j["video"] = job.video;
   j["audio"] = job.audio;
+  j["video_codec"] = job.video_codec;
+  j["video_pad"] = job.video_pad;
   j["shards"] = job.shards;
   j["rounds"] = job.rounds;
   j["folder"] = job.folder.string();
@@ -107,6 +114,8 @@ Expected<FarmJob> read_farm_job(const fs::path& folder) {
                   .read("outputs", job.outputs)
                   .read("video", job.video)
                   .read("audio", job.audio)
+                  .read_where_it_is("video_codec", job.video_codec)
+                  .read_where_it_is("video_pad", job.video_pad)
                   .read("shards", job.shards)
                   .read("rounds", job.rounds)
                   .read("folder", at)

@@ -27,6 +27,8 @@ struct FarmJob {
   std::string fps;
   std::vector<std::string> outputs;  // patterns
   std::string video, audio;          // the film that is made at the end; empty: none
+  std::string video_codec = "auto";  // as FilmFile has them
+  bool video_pad = false;
   int shards = 1;
   int rounds = 3;  // how often a shard is tried
   FarmNeeds needs;

@@ -136,7 +136,7 @@ watch_others() {  # SHARD...
 }
 
 cd -- "$work" || exit 1
-unset CANDELA_VIDEO CANDELA_AUDIO  # the film is made at the end
+unset CANDELA_VIDEO CANDELA_VIDEO_CODEC CANDELA_VIDEO_PAD CANDELA_AUDIO  # the film is made at the end
 mkdir -p -- "$folder/claims" "$folder/logs" "$folder/records" || exit 1
 # What workers of this machine left that were killed while they made a claim or a record.
 for file in "$folder"/claims/."$host"-* "$folder"/records/."$host"-*; do

@@ -83,7 +83,7 @@ run_shard() {  # ROUND SHARDS
   exec >>"$folder/logs/shard-$shard.log" 2>&1
   say "--- round $round on ${SLURMD_NODENAME:-?}, job ${SLURM_JOB_ID:-?}, $(date -u +%FT%TZ)"
   cd -- "$work"
-  unset CANDELA_VIDEO CANDELA_AUDIO  # the film is made at the end
+  unset CANDELA_VIDEO CANDELA_VIDEO_CODEC CANDELA_VIDEO_PAD CANDELA_AUDIO  # the film is made at the end
   exec "$candela" sequence "${sequence[@]}" --shard "$shard/$shards" --resume --record "$folder/records"
 }
 

@@ -126,9 +126,9 @@ class Run {
       : maker_(maker), job_(job), settings_(settings), limits_(encoder_limits(settings.encoders)) {}
 
   Expected<SequenceResult> all() {
-    if (!settings_.video.empty()) {
+    if (!settings_.film.path.empty()) {
       const PixelRect data = picture_window(job_).data;
-      auto video = VideoWriter::open(settings_.video, settings_.audio, data.width, data.height, settings_.rate);
+      auto video = VideoWriter::open(settings_.film, data.width, data.height, settings_.rate);
       if (!video) return std::unexpected(video.error());
       video_ = std::move(*video);
       was_there_.resize(settings_.frames.size());
@@ -154,7 +154,7 @@ class Run {
   }
 
   void remove_kept() const {
-    if (settings_.kept) remove_kept_frames(settings_.video);
+    if (settings_.kept) remove_kept_frames(settings_.film.path);
   }
 
   void say_what_is_kept() const {
@@ -162,7 +162,10 @@ class Run {
     const fs::path folder = fs::path(settings_.kept->name(0)).parent_path();
     std::error_code failed;
     if (fs::remove(folder, failed); fs::exists(folder, failed))  // an empty one goes
-      log::info("{} holds the frames made so far; the same command with --resume goes on from them", folder.string());
+      log::info(
+          "{0} holds the frames made so far; the same command with --resume goes on from them, and candela film {0} "
+          "-o part{1} makes a film of them",
+          folder.string(), settings_.film.path.extension().string());
   }
 
   Expected<void> render_all() {
@@ -358,17 +361,17 @@ class Run {
 
 namespace {
 Expected<void> declare_files(const SequenceSettings& settings) {
-  if (!settings.audio.empty()) note_read({"--audio", settings.audio});
+  if (!settings.film.audio.empty()) note_read({"--audio", settings.film.audio});
   std::vector<NamedFile> files;
   for (const int64_t frame : settings.frames)
     for (fs::path& path : named_paths(settings, frame)) files.push_back({"-o", std::move(path)});
-  if (!settings.video.empty()) files.push_back({"--video", settings.video});
+  if (!settings.film.path.empty()) files.push_back({"--video", settings.film.path});
   return declare_outputs(files);
 }
 }  // namespace
 
 Expected<void> check_sequence(const SequenceSettings& settings) {
-  if (settings.patterns.empty() && settings.video.empty())
+  if (settings.patterns.empty() && settings.film.path.empty())
     return fail(ErrorKind::usage, "-o", "no output given; name files such as 'out/%04d.exr', or --video FILE.mp4");
   if (settings.frames.empty())
     return fail(ErrorKind::usage, "--shard", "there are fewer frames than shards: this shard has none");
@@ -390,9 +393,9 @@ Expected<void> check_sequence(const SequenceSettings& settings) {
     for (const fs::path& path : named_paths(settings, frame))
       if (folders.insert(path.parent_path()).second)
         if (auto ready = prepare_output(path); !ready) return ready;
-  if (!settings.video.empty()) {
-    if (auto good = check_video(settings.video, settings.audio); !good) return good;
-  } else if (!settings.audio.empty()) {
+  if (!settings.film.path.empty()) {
+    if (auto good = check_video(settings.film); !good) return good;
+  } else if (!settings.film.audio.empty()) {
     return fail(ErrorKind::usage, "--audio", "goes with --video");
   }
   return {};
@@ -400,7 +403,7 @@ Expected<void> check_sequence(const SequenceSettings& settings) {
 
 WantedOutputs wanted_by(const SequenceSettings& settings, const Job& job) {
   WantedOutputs wanted{
-      .linear = false, .display = !settings.video.empty(), .display_bits = job.png_bits, .files = true};
+      .linear = false, .display = !settings.film.path.empty(), .display_bits = job.png_bits, .files = true};
   for (const FramePattern& pattern : settings.patterns) {
     const auto format = output_format(pattern.name(0));
     (format && *format == OutputFormat::exr ? wanted.linear : wanted.display) = true;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "render/encoder_pool.h"
+#include "render/film_format.h"
 #include "render/frame_names.h"
 #include "render/prepare_outputs.h"
 #include "session/session.h"
@@ -22,8 +23,8 @@ struct SequenceSettings {
   std::vector<int64_t> frames;  // of this shard, in the order they are rendered
   FrameRate rate;
   std::vector<FramePattern> patterns;
-  bool resume = false;  // leave out frames whose files all are whole and hold this job's picture
-  std::filesystem::path video, audio;
+  bool resume = false;                     // leave out frames whose files all are whole and hold this job's picture
+  FilmFile film;                           // no path: none is made
   std::optional<FramePattern> kept;        // where frames of the film lie until it is made; none: a pattern is a PNG
   int in_flight = 0;                       // frames begun before the first of them is finished; 0: as the session says
   int encoders = 0;                        // threads that encode and write; 0: as many as cores

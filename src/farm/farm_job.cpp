@@ -52,13 +52,16 @@ Expected<void> check_texts(const FarmJob& job, const std::string& place) {
   if (const auto rate = parse_frame_rate(job.fps); !rate) return refuse(rate.error());
   for (const std::string& output : job.outputs)
     if (const auto pattern = parse_pattern(output); !pattern) return refuse(pattern.error());
-  if (job.shards < 1) return fail(ErrorKind::input, place + ": /shards", "is not at least 1");
+  const size_t frames = job.frame_list().size();
+  if (job.shards < 1 || size_t(job.shards) > frames)
+    return fail(ErrorKind::input, place + ": /shards", "{} is not from 1 to the number of frames, {}", job.shards,
+                frames);
   return {};
 }
 
 }  // namespace
 
-std::vector<int64_t> FarmJob::frame_list() const { return *parse_frame_list(frames); }
+FrameList FarmJob::frame_list() const { return *parse_frame_list(frames); }
 FrameRate FarmJob::rate() const { return *parse_frame_rate(fps); }
 std::vector<fs::path> FarmJob::files(int64_t frame) const {
   std::vector<fs::path> paths;

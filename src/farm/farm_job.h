@@ -35,7 +35,7 @@ struct FarmJob {
   std::vector<std::string> engine_options;  // as the engine has them, "partition=night"
   Job job;                                  // decides the pictures
 
-  std::vector<int64_t> frame_list() const;
+  FrameList frame_list() const;
   // The files of a frame, absolute.
   std::vector<std::filesystem::path> files(int64_t frame) const;
   FrameRate rate() const;

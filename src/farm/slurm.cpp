@@ -143,6 +143,11 @@ Expected<std::vector<FarmFile>> slurm_file(const FarmJob& job) {
   text += fmt::format("#SBATCH --ntasks=1 --cpus-per-task={}\n", job.needs.cpus);
   if (job.needs.gpus > 0) text += fmt::format("#SBATCH --gres=gpu:{}\n", job.needs.gpus);
   if (job.needs.minutes > 0) text += fmt::format("#SBATCH --time={}\n", job.needs.minutes);
+  const bool timed = job.needs.minutes > 0 || std::ranges::any_of(job.engine_options, [](const std::string& option) {
+                       return option.starts_with("time=");
+                     });
+  if (!timed)
+    log::warning("no --minutes: the cluster's own time limit holds for a shard, which may be short or refuse the job");
   for (const std::string& option : job.engine_options) {
     const auto line = option_line(option);
     if (!line) return std::unexpected(line.error());

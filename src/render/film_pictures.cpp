@@ -38,23 +38,12 @@ Expected<FilmPictures> of_pattern(const FramePattern& pattern) {
   if (folder != fs::path(pattern.name(1)).parent_path())
     return fail(ErrorKind::usage, "FRAMES", "'{}' has the number in the name of a folder; name the files instead",
                 pattern.given);
-  std::string before, after;
-  bool behind = false;
-  for (const FramePattern::Piece& piece : pattern.pieces)
-    if (piece.kind == FramePattern::Piece::Kind::frame)
-      behind = true;
-    else
-      (behind ? after : before) += piece.text;
-  before = fs::path(before).filename().string();
   const auto files = files_in(folder.empty() ? "." : folder);
   if (!files) return std::unexpected(files.error());
   std::map<int64_t, std::string> found;
   for (const fs::path& file : *files) {
-    const std::string name = file.filename().string();
-    if (name.size() <= before.size() + after.size() || !name.starts_with(before) || !name.ends_with(after)) continue;
-    const auto number =
-        number_in(std::string_view(name).substr(before.size(), name.size() - before.size() - after.size()));
-    if (number && fs::path(pattern.name(*number)).filename() == name) found.emplace(*number, pattern.name(*number));
+    const std::string name = (folder / file.filename()).string();
+    if (const auto number = pattern.frame_of(name)) found.emplace(*number, name);
   }
   if (found.empty()) return fail(ErrorKind::input, pattern.given, "there is no file of this name");
   return in_order(found);

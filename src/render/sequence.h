@@ -2,6 +2,7 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,7 @@ struct SequenceProgress {
 };
 
 struct SequenceSettings {
-  std::vector<int64_t> frames;  // of this shard, in the order they are rendered
+  FrameList frames;  // of this shard, in the order they are rendered
   FrameRate rate;
   std::vector<FramePattern> patterns;
   bool resume = false;                     // leave out frames whose files all are whole and hold this job's picture
@@ -69,6 +70,8 @@ class FrameMaker {
 // Errors (usage) before anything is rendered: a pattern without a number for more than one frame, two files of one
 // name, no output at all; (output): a folder that cannot be written.
 Expected<void> check_sequence(const SequenceSettings& settings);
+// Of all files of frames.
+std::set<std::filesystem::path> folders_of(const SequenceSettings& settings);
 WantedOutputs wanted_by(const SequenceSettings& settings, const Job& job);
 
 // Renders the frames; read-back copies, encoding and writing of earlier ones, several at once, overlap the rendering of

@@ -6,7 +6,7 @@
 namespace candela {
 namespace {
 
-using Frames = std::vector<int64_t>;
+using Frames = FrameList;
 
 TEST(FrameList, ReadsWhatTheFieldWrites) {
   EXPECT_EQ(parse_frame_list("7").value(), (Frames{7}));

@@ -51,7 +51,11 @@ int shards_for(size_t frames) {
 // A film is made of PNG files: where none are written, in the job's folder.
 Expected<void> give_film_frames(FarmJob& job) {
   if (job.video.empty() || film_output(job.outputs) >= 0) return {};
-  const std::string folder = (job.folder / "film").string();
+  // By a relative name where there is one: machines may mount the folder elsewhere.
+  const fs::path inside = job.folder.lexically_relative(job.work);
+  const bool below = !inside.empty() && *inside.begin() != "..";
+  std::string folder = ((below ? inside : job.folder) / "film").string();
+  if (folder.starts_with('-')) folder = "./" + folder;
   std::string pattern;
   for (const char c : folder)
     pattern += std::string(std::string_view("%{}").find(c) == std::string_view::npos ? 1 : 2, c);

@@ -148,7 +148,7 @@ class Formatter : public CLI::Formatter {
     for (const std::string& name : names->second) {
       const CLI::Option* option = app->get_option_no_throw("--" + name);
       if (!option) continue;
-      const std::string type = option->get_expected_max() == 0 ? "" : " " + option->get_type_name();
+      const std::string type = option->get_expected_max() == 0 ? "" : " " + split(option->get_type_name(), ':').front();
       const std::string called =
           (option->get_snames().empty() ? "" : "-" + option->get_snames().front() + ", ") + "--" + name + type;
       text += fmt::format("  {:<26} {}\n", called, first_clause(option->get_description()));

@@ -69,6 +69,12 @@ std::vector<fs::path> FarmJob::files(int64_t frame) const {
   return paths;
 }
 
+fs::path FarmJob::work_from_folder() const {
+  const fs::path inside = folder.lexically_relative(work);
+  if (inside.empty() || *inside.begin() == "..") return work;
+  return work.lexically_relative(folder);
+}
+
 fs::path farm_job_file(const fs::path& folder) { return folder / "job.json"; }
 fs::path farm_records(const fs::path& folder) { return folder / "records"; }
 
@@ -86,8 +92,7 @@ std::string farm_job_json(const FarmJob& job) {
   j["video_pad"] = job.video_pad;
   j["shards"] = job.shards;
   j["rounds"] = job.rounds;
-  j["folder"] = job.folder.string();
-  j["work"] = job.work.string();
+  j["work"] = job.work_from_folder().string();
   j["program"] = job.program;
   j["arguments"] = job.arguments;
   j["needs"] = {{"cpus", job.needs.cpus},
@@ -107,7 +112,7 @@ Expected<FarmJob> read_farm_job(const fs::path& folder) {
   const auto read = read_json_file(file);
   if (!read) return std::unexpected(read.error());
   FarmJob job;
-  std::string at, work;
+  std::string work;
   Json needs, picture;
   auto good = Members(*read, file.string())
                   .read("name", job.name)
@@ -121,7 +126,6 @@ Expected<FarmJob> read_farm_job(const fs::path& folder) {
                   .read_where_it_is("video_pad", job.video_pad)
                   .read("shards", job.shards)
                   .read("rounds", job.rounds)
-                  .read("folder", at)
                   .read("work", work)
                   .read("program", job.program)
                   .read("arguments", job.arguments)
@@ -137,8 +141,11 @@ Expected<FarmJob> read_farm_job(const fs::path& folder) {
                .read("minutes", job.needs.minutes)
                .result();
   if (!good) return std::unexpected(good.error());
-  job.folder = at;
-  job.work = work;
+  // Where this machine sees them.
+  job.folder = fs::absolute(folder).lexically_normal();
+  if (!job.folder.has_filename()) job.folder = job.folder.parent_path();
+  job.work = (job.folder / work).lexically_normal();
+  if (!job.work.has_filename() && job.work.has_relative_path()) job.work = job.work.parent_path();
   const auto decided = job_from_json(picture.dump());
   if (!decided) return std::unexpected(Error{ErrorKind::input, decided.error().message, file.string() + ": /job"});
   job.job = *decided;

@@ -39,6 +39,8 @@ struct FarmJob {
   // The files of a frame, absolute.
   std::vector<std::filesystem::path> files(int64_t frame) const;
   FrameRate rate() const;
+  // `work` as seen from the folder where that lies in it, so that machines may mount both elsewhere; else absolute.
+  std::filesystem::path work_from_folder() const;
 };
 
 std::filesystem::path farm_job_file(const std::filesystem::path& folder);

@@ -98,7 +98,9 @@ class Engines(FolderTest):
         self.assertTrue(self.status(folder / "job")["complete"])
 
     def status(self, job):
-        status = json.loads(candela("farm", "status", job, "--json"))
+        ended = run([program(), "farm", "status", job, "--json"])
+        status = json.loads(ended.stdout)
+        self.assertEqual(0 if status["complete"] else 1, ended.returncode, ended.stderr)
         check_schema(status, json.loads((ROOT / "docs/schemas/farm-status.schema.json").read_text()))
         return status
 
@@ -107,7 +109,7 @@ class Engines(FolderTest):
         make = ["make", "-j2", "-k", "-C", folder / "job", "-f", "job.mk"]
         self.assertNotEqual(0, run(make).returncode)
         status = self.status(folder / "job")
-        self.assertEqual({"total": 10, "done": 6, "failed": 2, "missing": 2}, status["frames"])
+        self.assertEqual({"total": 10, "done": 6, "failed": 2, "missing": 2, "damaged": 0}, status["frames"])
         self.assertEqual([(2, 6, "again")], [(one["shard"], one["code"], one["remedy"]) for one in status["failures"]])
         ended = run(make)
         self.assertEqual(0, ended.returncode, ended.stderr)

@@ -241,7 +241,7 @@ TEST(Sequence, WritesAVideo) {
   if (run_program({"ffprobe", "-version"}).code != 0) GTEST_SKIP() << "ffprobe is not installed";
   TestFolder folder;
   const Ended ended = candela({"sequence", scene("animated"), "--frames", "0-9", "--size", "63x35", "--fps", "23.976",
-                               "--video", folder / "a.mp4"});
+                               "--video", folder / "a.mp4", "--video-pad"});
   ASSERT_EQ(ended.code, 0) << ended.err;
   const Ended probe = run_program({"ffprobe", "-v", "error", "-count_frames", "-select_streams", "v:0", "-show_entries",
                                    "stream=nb_read_frames,width,height,r_frame_rate", "-of", "json", folder / "a.mp4"});

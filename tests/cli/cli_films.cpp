@@ -56,7 +56,7 @@ bool without_ffmpeg() { return run_program({"ffmpeg", "-version"}).code != 0; }
 
 Ended see_through_film(const std::string& film, const Arguments& more) {
   Arguments words = {"sequence", scene("unlit-box"), "--frames", "0-1", "--size", "64x36", "--quiet"};
-  words.insert(words.end(), {"--background", "transparent", "--video", film});
+  words.insert(words.end(), {"--video", film});
   words.insert(words.end(), more.begin(), more.end());
   return candela(words);
 }

@@ -204,6 +204,27 @@ class Engines(FolderTest):
         self.assertEqual([f"frames {i} {'33 0' if i == 2 else '0'} {needs}" for i in range(1, 6)] + ["check 1 0 {}"], lines)
         self.compare(folder, name)
 
+    def test_shell_where_the_folder_is_mounted_elsewhere(self):
+        """No path of the machine that wrote the job is needed, and the frames are the same."""
+        here, there = self.base / "here", self.base / "there"
+        here.mkdir()
+        shutil.copy(scene("unlit-box"), here / "box.glb")
+        film = ["--frames", "0-2", "--size", SIZE, "--device", "cpu", "--quiet"]
+        candela("farm", "shell", "box.glb", *film, "-o", "out/%d.exr", "--video", "film.mkv", "--video-codec", "ffv1",
+                "--shards", "2", "--job", "job", "--program", "/nowhere/candela", cwd=here)
+        here.rename(there)
+        ended = run(["sh", there / "job/job.sh"], env={**os.environ, "CANDELA_PROGRAM": program()})
+        self.assertEqual(0, ended.returncode, ended.stderr)
+        self.assertTrue(self.status(there / "job")["complete"])
+        self.assertEqual(3, len(contents(there / "out", ".exr")))
+        self.assertTrue((there / "film.mkv").is_file())
+        (there / "out/1.exr").write_bytes((there / "out/0.exr").read_bytes())  # a whole file, of another frame
+        (there / "out/2.exr").unlink()
+        ended = run([program(), "farm", "check", there / "job"])
+        self.assertEqual(1, ended.returncode)
+        self.assertIn("missing  2\n", ended.stderr)
+        self.assertIn("damaged  1\n", ended.stderr)
+
     def test_a_folder_holds_one_job(self):
         folder = self.base / "one"
         folder.mkdir()

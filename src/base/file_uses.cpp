@@ -22,6 +22,11 @@ struct Uses {
   std::mutex mutex;
   std::map<FileIdentity, NamedFile> read;
   std::map<FileIdentity, Declared> written;
+  struct Rule {
+    std::string option;
+    std::function<bool(const fs::path&)> holds;
+  };
+  std::vector<Rule> rules;  // outputs that are told by their names
   int calls = 0;
   std::set<FileIdentity> own;  // files that this process made
 };
@@ -88,6 +93,11 @@ Expected<void> check_read(const FileIdentity& identity, const NamedFile& output)
   const auto input = uses().read.find(identity);
   if (input == uses().read.end() || !still_there(input->second, identity)) return {};
   return overwrites(output, input->second);
+}
+
+Expected<void> check_rule(const Uses::Rule& rule, const FileIdentity& identity, const NamedFile& input) {
+  if (!rule.holds(links_followed(input.file)) || !still_there(input, identity)) return {};
+  return overwrites({rule.option, input.file}, input);
 }
 
 }  // namespace
@@ -183,8 +193,24 @@ Expected<void> declare_outputs(std::span<const NamedFile> outputs) {
   return {};
 }
 
+Expected<void> declare_outputs(const std::string& option, std::function<bool(const fs::path&)> holds) {
+  const std::scoped_lock lock(uses().mutex);
+  const Uses::Rule rule{option, std::move(holds)};
+  for (const auto& [identity, input] : uses().read)
+    if (auto fine = check_rule(rule, identity, input); !fine) return fine;
+  for (const auto& [identity, declared] : uses().written)
+    if (rule.holds(links_followed(declared.output.file)))
+      return fail(ErrorKind::usage, option, "'{}' is written twice, for {} too; name two files",
+                  declared.output.file.string(), declared.output.option);
+  uses().rules.push_back(rule);
+  return {};
+}
+
 Expected<void> check_outputs() {
   const std::scoped_lock lock(uses().mutex);
+  for (const Uses::Rule& rule : uses().rules)
+    for (const auto& [identity, input] : uses().read)
+      if (auto fine = check_rule(rule, identity, input); !fine) return fine;
   if (uses().written.empty()) return {};
   for (const auto& [identity, input] : uses().read)
     if (const auto output = uses().written.find(identity);
@@ -204,7 +230,7 @@ Expected<void> check_output(const fs::path& output) {
 
 void forget_file_uses() {
   const std::scoped_lock lock(uses().mutex);
-  uses().read.clear(), uses().written.clear(), uses().own.clear();
+  uses().read.clear(), uses().written.clear(), uses().rules.clear(), uses().own.clear();
 }
 
 }  // namespace candela

@@ -2,6 +2,7 @@
 #include <compare>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -37,6 +38,8 @@ void note_written(int descriptor);                                  // by this p
 // Before any of them is opened. An error (usage) where one is a file that was noted as read, or another output; an
 // output that was declared before, by the same option and path, may be declared again.
 Expected<void> declare_outputs(std::span<const NamedFile> outputs);
+// The same of more files than can be listed: those whose absolute path without links `holds` says.
+Expected<void> declare_outputs(const std::string& option, std::function<bool(const std::filesystem::path& file)> holds);
 // That no declared output is a file that was read since, as the textures of a scene.
 Expected<void> check_outputs();
 // The same of one file, which may be no declared one.

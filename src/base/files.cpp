@@ -206,6 +206,24 @@ void remove_stale_temporaries(std::span<const fs::path> targets) {
   }
 }
 
+void remove_stale_temporaries(const std::set<fs::path>& folders,
+                              const std::function<void(const std::function<bool(const fs::path&)>&)>& each) {
+  std::error_code failed;
+  std::set<std::string> marks;
+  for (const fs::path& folder : folders)
+    for (fs::directory_iterator at(folder.empty() ? "." : folder, failed), end; !failed && at != end;
+         at.increment(failed))
+      if (const std::string name = at->path().filename().string(); const auto temporary = temporary_of(name))
+        marks.emplace(temporary->target);
+  if (marks.empty()) return;  // the usual case
+  std::vector<fs::path> targets;
+  each([&](const fs::path& target) {
+    if (marks.erase(target_mark(target)) > 0) targets.push_back(target);
+    return marks.empty();
+  });
+  remove_stale_temporaries(targets);
+}
+
 PreparedFile::PreparedFile(PreparedFile&& other) noexcept { *this = std::move(other); }
 PreparedFile& PreparedFile::operator=(PreparedFile&& other) noexcept {
   std::swap(path_, other.path_);

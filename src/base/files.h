@@ -1,6 +1,8 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
+#include <functional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -33,6 +35,11 @@ class FileReader {
 // Removes the temporaries (base/prepared_file.h) that runs which were killed left beside these targets: those whose
 // process is gone from this machine. Of other targets none, because they may be written by another machine.
 void remove_stale_temporaries(std::span<const std::filesystem::path> targets);
+// The same of targets in these folders that are too many to list: `each` asks of one after the other, until true says
+// that no more need be asked.
+void remove_stale_temporaries(
+    const std::set<std::filesystem::path>& folders,
+    const std::function<void(const std::function<bool(const std::filesystem::path& target)>&)>& each);
 
 // Writes a temporary in the same folder, flushes it to disk, then renames it over `path`: a reader sees the old file or
 // the new one, never a part. On any failure the temporary is removed and the error has kind output.

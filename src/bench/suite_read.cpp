@@ -162,6 +162,9 @@ Expected<void> read_frames(const Json& j, const SuitePlace& place, const FrameRa
   if (!text) return std::unexpected(text.error());
   const auto frames = parse_frame_list(*text);
   if (!frames) return std::unexpected(Error{ErrorKind::input, frames.error().message, place.at});
+  constexpr size_t most = 100'000;
+  if (frames->size() > most)
+    return fail(ErrorKind::input, place.at, "{} frames are more than the {} that a suite has", frames->size(), most);
   suite.times_s.clear();
   for (const int64_t frame : *frames) suite.times_s.push_back(rate.seconds(frame));
   return {};

@@ -49,6 +49,9 @@ Expected<std::vector<double>> time_list(const BenchOptions& o) {
     if (!rate) return std::unexpected(Error{ErrorKind::usage, rate.error().message, "--fps"});
     const auto frames = parse_frame_list(o.frames);
     if (!frames) return std::unexpected(Error{ErrorKind::usage, frames.error().message, "--frames"});
+    constexpr size_t most = 100'000;
+    if (frames->size() > most)
+      return fail(ErrorKind::usage, "--frames", "{} are more than the {} that bench measures", frames->size(), most);
     for (const int64_t frame : *frames) list.push_back(rate->seconds(frame));
     return list;
   }

@@ -158,6 +158,7 @@ void add_commands(CLI::App& app, Action& action) {
   add_plan(app, action);
   add_facts(app, action);
   add_compare(app, action);
+  add_film(app, action);
   add_sheet(app, action);
   add_golden(app, action);
   add_bench(app, action);
@@ -175,16 +176,22 @@ std::string& started_with() {
 }  // namespace
 const std::string& command_line() { return started_with(); }
 
-int run(int argc, char** argv) {
-  started_with() = shell_quoted(std::vector<std::string>(argv, argv + argc));
-  if (!prepare_process()) return int(ErrorKind::output);
-  std::set_terminate(end_by_exception);
+namespace {
+int run_all(int argc, char** argv) {
   CLI::App app("Renders frame N of a glTF scene without a window, and tells what every pass cost.", "candela");
   try {
     return parse_and_run(app, argc, argv);
   } catch (...) {
     return failed(app, current_error());
   }
+}
+}  // namespace
+
+int run(int argc, char** argv) {
+  started_with() = shell_quoted(std::vector<std::string>(argv, argv + argc));
+  if (!prepare_process()) return int(ErrorKind::output);
+  std::set_terminate(end_by_exception);
+  return on_a_large_stack([&] { return run_all(argc, argv); });
 }
 
 }  // namespace candela::cli

@@ -26,6 +26,7 @@ void add_facts(CLI::App& app, Action& action);
 void add_compare(CLI::App& app, Action& action);
 void add_tune(CLI::App& app, Action& action);
 void add_sheet(CLI::App& app, Action& action);
+void add_film(CLI::App& app, Action& action);
 void add_golden(CLI::App& app, Action& action);
 void add_bench(CLI::App& app, Action& action);
 void add_make_scene(CLI::App& app, Action& action);

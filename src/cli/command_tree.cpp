@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "job/choose_transparency.h"
 #include "job/frame_choices.h"
+#include "render/film_format.h"
 #include "render/reference_frame.h"
 #include "scene/cut_outs.h"
 #include "scene/probe.h"
@@ -50,6 +51,7 @@ Names choices_of(const std::string& command, const std::string& option) {
   if (option == "--transparency") return with(transparency_names(), {std::string(auto_transparency)});
   if (option == "--sides") return {"auto", "block", "open"};
   if (option == "--mode") return {"direct", "path"};
+  if (option == "--video-codec" || option == "--codec") return film_codec_names();
   if (option == "--bvh") return {"equal-counts", "sah", "sbvh"};
   if (option == "--sampler") return {"sobol", "jittered", "uniform"};
   if (option == "--ambient") return {"traced", "occlusion", "off"};

@@ -1,5 +1,6 @@
 #include <spawn.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
@@ -50,7 +51,11 @@ int shards_for(size_t frames) {
 // A film is made of PNG files: where none are written, in the job's folder.
 Expected<void> give_film_frames(FarmJob& job) {
   if (job.video.empty() || film_output(job.outputs) >= 0) return {};
-  const std::string folder = (job.folder / "film").string();
+  // By a relative name where there is one: machines may mount the folder elsewhere.
+  const fs::path inside = job.folder.lexically_relative(job.work);
+  const bool below = !inside.empty() && *inside.begin() != "..";
+  std::string folder = ((below ? inside : job.folder) / "film").string();
+  if (folder.starts_with('-')) folder = "./" + folder;
   std::string pattern;
   for (const char c : folder)
     pattern += std::string(std::string_view("%{}").find(c) == std::string_view::npos ? 1 : 2, c);
@@ -98,11 +103,15 @@ Expected<FarmJob> farm_job(CLI::App& command, FarmOptions& o, const std::set<std
   job.outputs = s.outputs;
   job.video = s.video;
   job.audio = s.audio;
+  job.video_codec = s.video_codec;
+  job.video_pad = s.video_pad;
   job.rounds = o.rounds;
   job.needs = o.needs;
   job.engine_options = o.engine_options;
   job.job = *decided;
   job.arguments = given_words(command, own);
+  if (s.job.png_bits != JobOptions().png_bits && command.get_option("--png-bits")->count() == 0)
+    job.arguments.insert(job.arguments.end(), {"--png-bits", fmt::format("{}", s.job.png_bits)});  // the film's codec
   if (!film->traced) keep_to_gpu(job, s.job);
   if (auto given = give_film_frames(job); !given) return std::unexpected(given.error());
   s.outputs = job.outputs;
@@ -116,7 +125,18 @@ Expected<FarmJob> farm_job(CLI::App& command, FarmOptions& o, const std::set<std
   return job;
 }
 
+bool is_on_path(const std::string& program) {
+  const char* path = std::getenv("PATH");
+  return std::ranges::any_of(split(path ? path : "", ':'), [&](const std::string& folder) {
+    return access((fs::path(folder) / program).c_str(), X_OK) == 0;
+  });
+}
+
 Expected<void> submit(const fs::path& file) {
+  if (!is_on_path("sbatch"))
+    return fail(ErrorKind::usage, "--submit",
+                "there is no Slurm here (no program sbatch on PATH); run `bash {}` on a machine that has it",
+                shell_quoted(file.string()));
   std::string program = "bash", path = file.string();
   char* words[] = {program.data(), path.data(), nullptr};
   pid_t process = -1;
@@ -159,7 +179,11 @@ Json status_json(const FarmJob& job, const FarmState& state) {
   j["version"] = CANDELA_VERSION;
   j["name"] = job.name;
   j["complete"] = state.complete();
-  j["frames"] = {{"total", state.frames}, {"done", state.done}, {"failed", state.failed}, {"missing", state.missing}};
+  j["frames"] = {{"total", state.frames},
+                 {"done", state.done},
+                 {"failed", state.failed},
+                 {"missing", state.missing},
+                 {"damaged", state.damaged}};
   std::map<ShardStage, size_t> count;
   for (const ShardState& shard : state.shards) ++count[shard.stage];
   j["shards"] = {{"total", state.shards.size()}};
@@ -184,9 +208,38 @@ Json status_json(const FarmJob& job, const FarmState& state) {
   return j;
 }
 
+// Frames as --frames takes them, cut where there are very many ranges.
+std::string ranges_text(std::vector<int64_t> frames) {
+  std::ranges::sort(frames);
+  std::string text;
+  constexpr size_t longest = 400;
+  for (size_t i = 0; i < frames.size();) {
+    size_t end = i + 1;
+    while (end < frames.size() && frames[end] == frames[end - 1] + 1) ++end;
+    if (text.size() > longest) return text + ",...";
+    text += text.empty() ? "" : ",";
+    text += end - i == 1 ? fmt::format("{}", frames[i]) : fmt::format("{}-{}", frames[i], frames[end - 1]);
+    i = end;
+  }
+  return text;
+}
+
+// Which frames are missing and which damaged.
+std::string frame_lines(const FarmState& state) {
+  std::vector<int64_t> missing, damaged;
+  for (const ShardState& shard : state.shards) {
+    damaged.insert(damaged.end(), shard.damaged.begin(), shard.damaged.end());
+    std::ranges::set_difference(shard.missing, shard.damaged, std::back_inserter(missing));
+  }
+  std::string text;
+  if (!missing.empty()) text += "missing  " + ranges_text(std::move(missing)) + "\n";
+  if (!damaged.empty()) text += "damaged  " + ranges_text(std::move(damaged)) + "\n";
+  return text;
+}
+
 std::string status_text(const FarmState& state) {
-  std::string text = fmt::format("frames   {} of {} done, {} failed, {} missing\n", state.done, state.frames,
-                                 state.failed, state.missing);
+  std::string text = fmt::format("frames   {} of {} done, {} failed, {} missing, {} damaged\n", state.done,
+                                 state.frames, state.failed, state.missing, state.damaged);
   std::map<ShardStage, size_t> count;
   for (const ShardState& shard : state.shards) ++count[shard.stage];
   text += fmt::format("shards   {} of {} done, {} running, {} failed, {} waiting\n", count[ShardStage::done],
@@ -203,7 +256,8 @@ std::string status_text(const FarmState& state) {
     rows.push_back({fmt::format("{}", shard.index), last.node, last.code ? fmt::format("{}", *last.code) : "killed",
                     fmt::format("{}", shard.runs.size()), remedy_name(remedy_of(shard).kind), last.error});
   }
-  return rows.size() > 1 ? text + table_text(rows) : text;
+  if (rows.size() > 1) text += table_text(rows);
+  return text + frame_lines(state);
 }
 
 Expected<int> run_status(const StatusOptions& o) {
@@ -214,7 +268,7 @@ Expected<int> run_status(const StatusOptions& o) {
   if (!state) return std::unexpected(state.error());
   if (auto printed = o.json ? print_json(status_json(*job, *state)) : print(status_text(*state)); !printed)
     return std::unexpected(printed.error());
-  return 0;
+  return state->complete() ? 0 : int(ErrorKind::comparison);
 }
 
 // A line for each thing to be done: WHAT EXCLUDED_NODES|- MEMORY_FACTOR SHARDS.
@@ -231,6 +285,23 @@ std::string remedy_lines(const FarmState& state) {
   return text;
 }
 
+// What killed runs left.
+void remove_stale_files(const FarmJob& job) {
+  const FrameList frames = job.frame_list();
+  std::set<fs::path> folders;
+  for (const fs::path& file : job.files(frames[0])) folders.insert(file.parent_path());
+  remove_stale_temporaries(folders, [&](const std::function<bool(const fs::path&)>& is_target) {
+    for (const int64_t frame : frames)
+      for (const fs::path& file : job.files(frame))
+        if (is_target(file)) return;
+  });
+  std::vector<fs::path> others;
+  if (!job.video.empty()) others.push_back(job.work / job.video);
+  std::error_code failed;
+  for (const auto& record : fs::directory_iterator(farm_records(job.folder), failed)) others.push_back(record.path());
+  remove_stale_temporaries(others);
+}
+
 Expected<int> run_check(const StatusOptions& o) {
   const auto job = read_farm_job(o.folder);
   if (!job) return std::unexpected(job.error());
@@ -238,19 +309,15 @@ Expected<int> run_check(const StatusOptions& o) {
   if (!state) return std::unexpected(state.error());
   if (!state->complete()) {
     log::error("{} of {} frames are not there or not whole", state->frames - state->done, state->frames);
+    for (const std::string& line : split(frame_lines(*state), '\n'))
+      if (!line.empty()) log::error("{}", line);
     if (auto printed = print(remedy_lines(*state)); !printed) return std::unexpected(printed.error());
     return int(ErrorKind::comparison);
   }
   log::info("all {} frames are there and whole", state->frames);
   if (state->devices.size() > 1)
     log::warning("different devices made them, so their last bits may differ: {}", joined(state->devices));
-  std::vector<fs::path> files;
-  std::error_code failed;
-  for (const int64_t frame : job->frame_list())
-    for (fs::path& file : job->files(frame)) files.push_back(std::move(file));
-  if (!job->video.empty()) files.push_back(job->work / job->video);
-  for (const auto& record : fs::directory_iterator(farm_records(job->folder), failed)) files.push_back(record.path());
-  remove_stale_temporaries(files);
+  remove_stale_files(*job);
   if (job->video.empty()) return 0;
   if (auto made = make_farm_film(*job); !made) return std::unexpected(made.error());
   log::info("film {}", (job->work / job->video).string());
@@ -305,7 +372,7 @@ void add_writer(CLI::App& farm, const char* name, const char* help, Writer write
     command->add_flag("--submit", o->submit, "Submit it");
   }
   std::set<std::string> own = names_of(*command);
-  own.insert({"video", "audio", "config"});
+  own.insert({"video", "video-codec", "video-pad", "audio", "config"});
   add_film_options(*command, o->sequence);
   add_run_options(*command, o->sequence.job);
   command->remove_option(command->get_option("--json"));
@@ -340,7 +407,7 @@ void add_farm(CLI::App& app, Action& action) {
   writer("shell", "Write a shell script that any number of machines may run at the same time", shell_file);
   auto o = std::make_shared<StatusOptions>();
   CLI::App* status = add_folder_command(*farm, "status", "Say what is done, failed and missing, and the time left", o);
-  status->add_flag("--whole", o->whole, "Decode each file instead of reading its header");
+  status->add_flag("--whole", o->whole, "Check all bytes of each file, not only its header and its length");
   status->add_flag("--json", o->json, "As JSON");
   status->callback([o, &action] { action = [o] { return run_status(*o); }; });
   CLI::App* check = add_folder_command(

@@ -35,6 +35,7 @@ const std::map<std::string, FileUse>& uses_of_options() {
       {"a", FileUse::read},
       {"b", FileUse::read},
       {"pictures", FileUse::read},
+      {"frames", FileUse::pattern_read},
       {"--shader-dir", FileUse::read_folder},
       {"--allow-path", FileUse::searched_folder},
       {"--assets", FileUse::searched_folder},
@@ -86,6 +87,10 @@ void add_read(const std::string& shown, FileUse use, const std::string& value, s
       read.push_back({shown, entry->path()});
     return;
   }
+  if (use == FileUse::pattern_read) {
+    if (std::error_code failed; fs::is_regular_file(value, failed)) read.push_back({shown, value});
+    return;
+  }
   if (use == FileUse::sky && is_sky_word(value)) return;
   if (use == FileUse::sky && names_cube_faces(value)) {
     if (const auto faces = cube_face_files(value))
@@ -128,7 +133,8 @@ void add_written(const std::string& option, const std::string& shown, FileUse us
 std::optional<FileUse> file_use(const std::string& command, const std::string& option) {
   if (option == "--output" && (command == "plan" || command == "facts")) return FileUse::neither;
   if (option == "--output" && command == "bench") return {};  // exr, png or both
-  if (option == "--output" && (command == "sheet" || command == "make-scene")) return FileUse::written;
+  if (option == "--output" && (command == "sheet" || command == "film" || command == "make-scene"))
+    return FileUse::written;
   const auto found = uses_of_options().find(option);
   return found == uses_of_options().end() ? std::nullopt : std::optional(found->second);
 }

@@ -19,6 +19,7 @@ enum class FileUse : uint8_t {
   sky,              // read: an image, or six
   path,             // read: FILE,times=FILE, a name before it or not
   instances,        // read: NODE=FILE
+  pattern_read,     // read: a file, a folder or a pattern
   read_folder,      // all that is in it
   searched_folder,  // files in it are read where other files name them
   written,          // "-" is stdout

@@ -11,6 +11,8 @@
 #include "cli/golden_update.h"
 #include "cli/input_options.h"
 #include "cli/report_files.h"
+#include "cli/signals.h"
+#include "farm/quote.h"
 #include "render/frame_names.h"
 #include "report/golden_report.h"
 
@@ -22,7 +24,7 @@ using Json = nlohmann::ordered_json;
 using Kind = GoldenOutcome::Kind;
 
 struct GoldenOptions {
-  std::string root = "golden", assets, filter, report, why, device_class, device;
+  std::string root = "golden", assets, filter, first, report, why, device_class, device;
   bool validate = false, json = false, quiet = false, allow_blank = false, exact = false;
 };
 
@@ -36,7 +38,19 @@ fs::path assets_of(const GoldenOptions& o) {
 Expected<std::vector<GoldenManifest>> goldens_of(const GoldenOptions& o) {
   std::string root = o.root;
   while (root.size() > 1 && root.ends_with('/')) root.pop_back();
-  return read_goldens(root, assets_of(o), o.filter);
+  auto goldens = read_goldens(root, assets_of(o), o.filter);
+  if (!goldens || o.first.empty()) return goldens;
+  const auto first = std::ranges::find(*goldens, o.first, &GoldenManifest::name);
+  if (first == goldens->end()) return fail(ErrorKind::usage, "--from-golden", "there is no golden '{}'", o.first);
+  goldens->erase(goldens->begin(), first);
+  return goldens;
+}
+
+// After a signal. next: the first golden that was not looked at.
+int interrupted(const HeldSignals& held, size_t done, size_t total, const std::string& next, const char* what) {
+  log::warning("interrupted after {} of {} goldens, {}; the same command with --from-golden {} goes on", done, total,
+               what, shell_quoted(next));
+  return 128 + held.pending();
 }
 
 RunSettings run_settings(const GoldenOptions& o) { return {.device = o.device, .validate = o.validate}; }
@@ -131,7 +145,11 @@ Expected<int> run_check(const GoldenOptions& o) {
   std::map<Kind, int> count;
   int warned = 0, others = 0;
   std::vector<GoldenRow> report;
+  const HeldSignals held;
+  size_t done = 0;
   for (const GoldenManifest& golden : *goldens) {
+    if (held.pending() != 0) break;
+    ++done;
     const GoldenOutcome outcome = check_golden(golden, {run_settings(o), o.allow_blank, o.exact},
                                                o.report.empty() ? scratch.path() : fs::path(o.report));
     const std::string line =
@@ -149,8 +167,9 @@ Expected<int> run_check(const GoldenOptions& o) {
     if (outcome.kind != Kind::skipped) report.push_back(report_row(golden, outcome));
   }
   if (others > 0) log::info("{} goldens were made on another device or driver: what their limits allow passes", others);
-  const std::string sum = fmt::format("{} passed ({} with a warning), {} failed, {} skipped", count[Kind::passed],
-                                      warned, count[Kind::failed], count[Kind::skipped]);
+  std::string sum = fmt::format("{} passed ({} with a warning), {} failed, {} skipped", count[Kind::passed], warned,
+                                count[Kind::failed], count[Kind::skipped]);
+  if (done < goldens->size()) sum += fmt::format(", {} not looked at: interrupted", goldens->size() - done);
   if (count[Kind::skipped] > 0)
     log::warning("{} goldens skipped: no assets at {}", count[Kind::skipped], assets_of(o).string());
   auto printed = o.json ? print_json({{"goldens", list},
@@ -163,6 +182,8 @@ Expected<int> run_check(const GoldenOptions& o) {
   if (printed && !o.report.empty())
     printed = write_file_atomically(fs::path(o.report) / golden_run_file, Json({{"goldens", list}}).dump(2) + "\n");
   if (!printed) return std::unexpected(printed.error());
+  if (done < goldens->size())
+    return interrupted(held, done, goldens->size(), (*goldens)[done].name, "whose verdicts are above");
   return count[Kind::failed] > 0 ? int(ErrorKind::comparison) : 0;
 }
 
@@ -175,7 +196,11 @@ Expected<int> run_update(const GoldenOptions& o) {
   std::vector<std::string> changed;
   GoldenDevice picture;
   Expected<void> failed;
+  const HeldSignals held;
+  size_t done = 0;
   for (const GoldenManifest& golden : *goldens) {
+    if (held.pending() != 0) break;
+    ++done;
     if (golden.missing_assets) {
       log::warning("{} skipped: no assets at {}", golden.name, assets_of(o).string());
       continue;
@@ -194,6 +219,8 @@ Expected<int> run_update(const GoldenOptions& o) {
     if (auto noted = note_changes(goldens->front().folder.parent_path(), changed, picture, o.why); !noted)
       return std::unexpected(noted.error());
   if (!failed) return std::unexpected(failed.error());
+  if (done < goldens->size())
+    return interrupted(held, done, goldens->size(), (*goldens)[done].name, "those that changed are kept and noted");
   log::info("{} of {} goldens changed", changed.size(), goldens->size());
   return 0;
 }
@@ -206,6 +233,7 @@ void add_shared(CLI::App& command, GoldenOptions& o) {
       ->type_name("DIR");
   add_input_options(command);
   command.add_option("--filter", o.filter, "Only goldens with this in their name")->type_name("TEXT");
+  command.add_option("--from-golden", o.first, "Only this golden and those after it")->type_name("NAME");
   command.add_option("--device", o.device, "As for render")->type_name("DEVICE");
   command.add_flag("--validate", o.validate,
                    "Khronos validation layer with synchronization checks; a message fails the golden");

@@ -33,7 +33,8 @@ const std::vector<std::pair<std::string, std::vector<std::string>>>& groups() {
       {"How the frame is made",
        {"technique", "transparency", "quality", "samples", "set", "time-budget", "error-budget", "sweep",
         "error-reference"}},
-      {"Film", {"video", "audio", "resume", "cache", "in-flight", "encoders", "shard", "record"}},
+      {"Film",
+       {"video", "video-codec", "video-pad", "audio", "resume", "cache", "in-flight", "encoders", "shard", "record"}},
       {"Tracing",
        {"mode", "spp", "seconds", "noise", "sampler", "bvh", "visibility", "ambient", "ambient-distance", "bounces",
         "fog-steps", "fog-lights", "footprints", "threads", "state"}},
@@ -76,6 +77,9 @@ const std::map<std::string, std::string>& examples() {
        "  candela compare truth.exr frame.exr --heatmap flip.png --limit flip=0.05\n"
        "  candela compare before.png after.png --html difference.html\n"},
       {"tune", "  candela tune scene.glb --size 1920x1080 --seconds 120\n"},
+      {"film",
+       "  candela film film.mp4.frames -o part.mp4               what an interrupted sequence --video has made so far\n"
+       "  candela film 'out/%04d.png' -o film.mov --video-codec prores4444 --fps 25\n"},
       {"sheet", "  candela sheet out/*.png -o sheet.png --columns 4\n"},
       {"bench",
        "  candela bench scene.glb --techniques clustered,forward-plus --report out\n"
@@ -84,6 +88,17 @@ const std::map<std::string, std::string>& examples() {
   };
   return table;
 }
+
+// Of a command that writes a farm's job: its own, and what most films need of those of `sequence`.
+std::vector<std::string> writer_options(const std::vector<std::string>& more) {
+  std::vector<std::string> names = {"frames", "output", "video",   "video-codec", "size", "camera",
+                                    "sky",    "look",   "quality", "device",      "job",  "name",
+                                    "shards", "rounds", "cpus",    "memory-mb",   "gpus", "program"};
+  names.insert(names.end(), more.begin(), more.end());
+  return names;
+}
+
+bool is_writer(const CLI::App* app) { return app->get_parent() && app->get_parent()->get_name() == "farm"; }
 
 // What most calls of a command need, for -h; of other commands everything is shown.
 const std::map<std::string, std::vector<std::string>>& brief_options() {
@@ -100,6 +115,10 @@ const std::map<std::string, std::vector<std::string>>& brief_options() {
        {"output", "frame", "time", "camera", "fit", "size", "sky", "look", "shader-dir", "pass-times", "device"}},
       {"plan", {"frame", "camera", "size", "technique", "quality", "effects", "json", "dot"}},
       {"facts", {"frame", "animation", "camera", "json"}},
+      {"slurm", writer_options({"minutes", "slurm", "submit"})},
+      {"opencue", writer_options({"minutes"})},
+      {"make", writer_options({})},
+      {"shell", writer_options({})},
       {"tune", {"seconds", "size", "frame", "camera", "sky", "look"}},
       {"bench", {"techniques", "lights", "sizes", "report", "compare", "error", "budget-s", "json"}},
   };
@@ -129,7 +148,7 @@ class Formatter : public CLI::Formatter {
     for (const std::string& name : names->second) {
       const CLI::Option* option = app->get_option_no_throw("--" + name);
       if (!option) continue;
-      const std::string type = option->get_expected_max() == 0 ? "" : " " + option->get_type_name();
+      const std::string type = option->get_expected_max() == 0 ? "" : " " + split(option->get_type_name(), ':').front();
       const std::string called =
           (option->get_snames().empty() ? "" : "-" + option->get_snames().front() + ", ") + "--" + name + type;
       text += fmt::format("  {:<26} {}\n", called, first_clause(option->get_description()));
@@ -137,20 +156,29 @@ class Formatter : public CLI::Formatter {
     return text;
   }
   std::string make_footer(const CLI::App* app) const override {
-    if (!brief_ || !brief_options().contains(app->get_name())) return CLI::Formatter::make_footer(app);
+    if (!is_brief(app)) return CLI::Formatter::make_footer(app);
     std::string text = "\nExamples:\n";
     if (const auto found = examples().find(app->get_name()); found != examples().end()) {
       size_t end = 0;
       for (int line = 0; line < 3 && end < found->second.size(); ++line) end = found->second.find('\n', end) + 1;
       text += found->second.substr(0, end);
     }
+    if (is_writer(app))
+      return text + fmt::format(
+                        "\nIt takes all options of `candela sequence` that decide what is rendered: candela farm "
+                        "{} --help-all\n",
+                        app->get_name());
     return text + fmt::format("\nAll options: candela {} --help\n", app->get_name());
+  }
+  // Writers of farms are always brief: their --help-all says the rest.
+  bool is_brief(const CLI::App* app) const {
+    return (brief_ || is_writer(app)) && brief_options().contains(app->get_name());
   }
   std::string make_option_desc(const CLI::Option* option) const override {
     return wrapped(CLI::Formatter::make_option_desc(option), 90);
   }
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
-    std::string text = brief_ && brief_options().contains(app->get_name())
+    std::string text = mode != CLI::AppFormatMode::All && is_brief(app)
                            ? make_description(app) + make_usage(app, name) + brief_groups(app) + make_footer(app)
                            : CLI::Formatter::make_help(app, name, mode);
     for (size_t at; (at = text.find("\n\n\n")) != std::string::npos;) text.erase(at, 1);

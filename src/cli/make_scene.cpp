@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "cli/command.h"
 #include "cli/job_options.h"
+#include "cli/signals.h"
 #include "render/frame_names.h"
 
 namespace candela::cli {
@@ -33,10 +34,12 @@ Expected<int> run_make_scene(const MakeSceneOptions& o) {
   for (const SceneFile& file : *beside) files.push_back({"-o", file.path});
   if (auto fine = declare_outputs(files); !fine) return std::unexpected(fine.error());
   if (auto ready = prepare_output(o.output); !ready) return std::unexpected(ready.error());
+  const HeldSignals held;
   if (auto made = make_scene(o.name, o.seed, o.lights, o.output); !made) return std::unexpected(made.error());
   log::info("wrote {}", o.output);
   for (const SceneFile& file : *beside) log::info("wrote {}", file.path.string());
-  return 0;
+  if (held.pending() != 0) log::warning("interrupted, but the scene is whole; a second interrupt ends at once");
+  return held.pending() != 0 ? 128 + held.pending() : 0;
 }
 
 }  // namespace

@@ -103,6 +103,10 @@ Expected<std::vector<Moment>> moments_of(const RenderOptions& o) {
   if (!frames) return std::unexpected(Error{ErrorKind::usage, frames.error().message, "--frames"});
   const auto rate = parse_frame_rate(o.job.fps);
   if (!rate) return std::unexpected(Error{ErrorKind::usage, rate.error().message, "--fps"});
+  constexpr size_t most = 100'000;
+  if (frames->size() > most)
+    return fail(ErrorKind::usage, "--frames", "{} are more than the {} that render makes; candela sequence makes films",
+                frames->size(), most);
   std::vector<Moment> moments;
   for (const int64_t frame : *frames) moments.push_back({frame, *rate, rate->seconds(frame)});
   return moments;

@@ -14,7 +14,7 @@ namespace candela::cli {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr const char* page_name = "index.html";
+constexpr const char* steps_page_name = "index.html";
 
 bool has_pass(const FramePlan& plan, std::string_view name) {
   return std::ranges::any_of(plan.passes, [&](const PlanPass& pass) { return pass.name == name; });
@@ -51,7 +51,7 @@ Expected<void> check_steps(const std::string& folder, const Job& job) {
   if (job.region)
     return fail(ErrorKind::usage, "--steps", "looks at whole images of a frame, of which --region leaves parts empty");
   std::error_code failed;
-  if (fs::exists(fs::path(folder) / page_name, failed))
+  if (fs::exists(fs::path(folder) / steps_page_name, failed))
     return fail(ErrorKind::usage, "--steps", "'{}' holds a page already; name another folder", folder);
   fs::create_directories(folder, failed);
   if (failed) return fail(ErrorKind::output, "--steps", "'{}': {}", folder, failed.message());
@@ -92,7 +92,7 @@ Expected<void> write_steps(const std::string& folder, const Job& job, const RunS
                              double(transient_bytes(*timed.plan)) / 1048576)},
       {"pictures", "of a second run of the same frame whose images are read back; times are of the first"},
       {"plan", timed.plan_hash.hex()}};
-  return write_text_output((fs::path(folder) / page_name).string(), steps_page_html(page));
+  return write_text_output((fs::path(folder) / steps_page_name).string(), steps_page_html(page));
 }
 
 }  // namespace candela::cli

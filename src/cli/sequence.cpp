@@ -16,7 +16,6 @@
 #include "cli/signals.h"
 #include "farm/run_record.h"
 #include "job/job_look.h"
-#include "job/picture_window.h"
 #include "render/current_error.h"
 #include "render/shared_frames.h"
 #include "render/traced_frames.h"
@@ -94,13 +93,6 @@ Error with_first_pass(Error error, Session& session, FrameRate rate) {
   return error;
 }
 
-void warn_of_odd_sides(const SequenceSettings& settings, const Job& job) {
-  const auto [x, y, width, height] = picture_window(job).data;
-  if (!settings.video.empty() && (width % 2 != 0 || height % 2 != 0))
-    log::warning("the film is {}x{}: H.264 with 4:2:0 chroma takes even sides, so {}x{} grows by a black row or column",
-                 width + width % 2, height + height % 2, width, height);
-}
-
 auto progress_of(ProgressLine& line, std::optional<RunRecorder>& recorder) {
   return [&](const SequenceProgress& p) {
     line.show(p);
@@ -158,7 +150,6 @@ Expected<int> render(const SequenceOptions& o, const Job& job, std::optional<Run
         {.strict = strictness(o.job.strict) == Strictness::all, .allowed = o.job.allow_blank, .frame = frame},
         warnings);
   };
-  warn_of_odd_sides(*settings, job);
   HeldSignals held;
   settings->stop = &held.pending();
   const auto result = run_sequence(**session, job, *settings);
@@ -193,7 +184,6 @@ Expected<int> trace(const SequenceOptions& o, const FilmJob& film, std::optional
     for (const std::string& note : result.notes) said.note(note);
     return note_frame(result, scene, strictness(o.job.strict), warnings);
   };
-  warn_of_odd_sides(*settings, job);
   HeldSignals held;
   settings->stop = &held.pending();
   (*maker)->set_stop(settings->stop);

@@ -53,7 +53,9 @@ Expected<void> check_options(const SequenceOptions& o) {
     return fail(ErrorKind::usage, "--devices", "does not go with {}: {}", option, why);
   };
   if (!o.job.device.empty()) return refuse("--device", "both say where frames are made");
-  if (!o.video.empty()) return refuse("--video", "a film is made by one process, in order; write PNG files");
+  if (!o.video.empty())
+    return refuse("--video",
+                  "a film is made by one process, in order; write PNG files, and make it of them by candela film");
   if (!o.timings.empty() || !o.trace.empty()) return refuse("--timings and --trace", "they are of one device");
   return {};
 }

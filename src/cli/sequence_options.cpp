@@ -4,6 +4,7 @@
 
 #include "base/text.h"
 #include "cli/result.h"
+#include "job/picture_window.h"
 #include "render/film_frames.h"
 
 namespace candela::cli {
@@ -20,8 +21,9 @@ void add_film_options(CLI::App& command, SequenceOptions& o) {
                   "Files to write, with %04d or #### for the frame number; may be given again")
       ->allow_extra_args(false)
       ->type_name("PATTERN");
-  command.add_option("--video", o.video, "Film to write (.mp4, .mov or .mkv), through ffmpeg")->type_name("FILE");
-  command.add_option("--audio", o.audio, "Sound of the film")->type_name("FILE");
+  command.add_option("--video", o.video, "Film to write (.mp4, .mov, .mkv or .webm), through ffmpeg")
+      ->type_name("FILE");
+  add_codec_options(command, o.video_codec, o.video_pad, o.audio);
   command
       .add_option("--cache", o.cache,
                   "on: keep shadow maps for later frames as long as nothing that casts shadows moves, with the same "
@@ -75,7 +77,17 @@ Expected<Job> traced_job(const JobOptions& o) {
 
 namespace {
 
-Expected<FilmJob> checked_film(const CLI::App& command, const SequenceOptions& o) {
+// A codec of more than 8 bits has pictures of 16 where none are asked for.
+Expected<void> choose_bits(const CLI::App& command, SequenceOptions& o) {
+  if (o.video.empty()) return {};
+  const auto codec = film_codec({.path = o.video, .codec = o.video_codec});
+  if (!codec) return std::unexpected(codec.error());
+  if ((*codec)->deep_by_default && command.get_option("--png-bits")->count() == 0) o.job.png_bits = 16;
+  return {};
+}
+
+Expected<FilmJob> checked_film(const CLI::App& command, SequenceOptions& o) {
+  if (auto good = choose_bits(command, o); !good) return std::unexpected(good.error());
   if (o.job.technique != traced_technique) {
     if (auto good =
             refuse(command,
@@ -160,8 +172,12 @@ Expected<SequenceSettings> read_sequence(const SequenceOptions& o, const Job& jo
   }
   if (shard->count > 1 && !o.video.empty())
     return fail(ErrorKind::usage, "--shard", "does not go with --video, which needs every frame of one run");
-  if (!o.video.empty() && job.png_bits != 8)
-    return fail(ErrorKind::usage, "--png-bits", "16 does not go with --video, which has 8 bits");
+  settings.film = {.path = o.video, .audio = o.audio, .codec = o.video_codec, .pad = o.video_pad};
+  if (!o.video.empty()) {
+    const PixelRect data = picture_window(job).data;
+    if (auto good = check_film_size(settings.film, data.width, data.height); !good)
+      return std::unexpected(good.error());
+  }
   const bool exr_output = std::any_of(o.outputs.begin(), o.outputs.end(),
                                       [](const auto& output) { return output_format(output) == OutputFormat::exr; });
   if (auto good = check_layers(job, exr_output); !good) return std::unexpected(good.error());
@@ -170,9 +186,7 @@ Expected<SequenceSettings> read_sequence(const SequenceOptions& o, const Job& jo
   settings.resume = o.resume;
   settings.in_flight = o.in_flight;
   settings.encoders = o.encoders;
-  settings.video = o.video;
   if (!o.video.empty() && film_output(o.outputs) < 0) settings.kept = kept_frames(o.video);
-  settings.audio = o.audio;
   settings.keep_spans = !o.trace.empty();
   return settings;
 }

@@ -13,15 +13,18 @@ namespace candela::cli {
 struct SequenceOptions {
   JobOptions job;
   TraceOptions tracing;  // of --technique reference
-  std::string frames, shard = "1/1", video, audio, timings, trace, record, devices, worker;
+  std::string frames, shard = "1/1", video, video_codec = "auto", audio, timings, trace, record, devices, worker;
   std::vector<std::string> outputs;
-  bool resume = false;
+  bool resume = false, video_pad = false;
   int in_flight = 0, encoders = 0;
   std::string cache = "auto";
 };
 
 // Those that say which frames are made and how; `farm` takes them too. What belongs to one run is `sequence`'s alone.
 void add_film_options(CLI::App& command, SequenceOptions& options);
+
+// --video-codec, --video-pad and --audio.
+void add_codec_options(CLI::App& command, std::string& codec, bool& pad, std::string& audio);
 
 // The list as written, or the turn that stands for it; empty where neither is given.
 std::string frames_text(const SequenceOptions& options);

@@ -3,6 +3,7 @@
 #include "base/log.h"
 #include "cli/command.h"
 #include "cli/input_options.h"
+#include "cli/signals.h"
 #include "image/io.h"
 #include "job/job.h"
 #include "metrics/compare.h"
@@ -57,7 +58,13 @@ Expected<int> run_sheet(const SheetOptions& o) {
   }
   if (auto ready = prepare_output(o.output); !ready) return std::unexpected(ready.error());
   std::vector<SheetPicture> pictures;
+  const HeldSignals held;
   for (const std::string& file : o.pictures) {
+    if (held.pending() != 0) {
+      log::warning("interrupted after {} of {} pictures; no sheet was written, the same command begins again",
+                   pictures.size(), o.pictures.size());
+      return 128 + held.pending();
+    }
     auto picture = picture_of(file, region);
     if (!picture) return std::unexpected(picture.error());
     pictures.push_back(std::move(*picture));

@@ -31,6 +31,11 @@ class Members {
       result_ = std::unexpected(value.error());
     return *this;
   }
+  // Of jobs that were written before there was one.
+  template <class T>
+  Members& read_where_it_is(const char* key, T& into) {
+    return j_.is_object() && j_.contains(key) ? read(key, into) : *this;
+  }
   const Expected<void>& result() const { return result_; }
 
  private:
@@ -47,18 +52,27 @@ Expected<void> check_texts(const FarmJob& job, const std::string& place) {
   if (const auto rate = parse_frame_rate(job.fps); !rate) return refuse(rate.error());
   for (const std::string& output : job.outputs)
     if (const auto pattern = parse_pattern(output); !pattern) return refuse(pattern.error());
-  if (job.shards < 1) return fail(ErrorKind::input, place + ": /shards", "is not at least 1");
+  const size_t frames = job.frame_list().size();
+  if (job.shards < 1 || size_t(job.shards) > frames)
+    return fail(ErrorKind::input, place + ": /shards", "{} is not from 1 to the number of frames, {}", job.shards,
+                frames);
   return {};
 }
 
 }  // namespace
 
-std::vector<int64_t> FarmJob::frame_list() const { return *parse_frame_list(frames); }
+FrameList FarmJob::frame_list() const { return *parse_frame_list(frames); }
 FrameRate FarmJob::rate() const { return *parse_frame_rate(fps); }
 std::vector<fs::path> FarmJob::files(int64_t frame) const {
   std::vector<fs::path> paths;
   for (const std::string& output : outputs) paths.push_back(work / parse_pattern(output)->name(frame));
   return paths;
+}
+
+fs::path FarmJob::work_from_folder() const {
+  const fs::path inside = folder.lexically_relative(work);
+  if (inside.empty() || *inside.begin() == "..") return work;
+  return work.lexically_relative(folder);
 }
 
 fs::path farm_job_file(const fs::path& folder) { return folder / "job.json"; }
@@ -74,10 +88,11 @@ std::string farm_job_json(const FarmJob& job) {
   j["outputs"] = job.outputs;
   j["video"] = job.video;
   j["audio"] = job.audio;
+  j["video_codec"] = job.video_codec;
+  j["video_pad"] = job.video_pad;
   j["shards"] = job.shards;
   j["rounds"] = job.rounds;
-  j["folder"] = job.folder.string();
-  j["work"] = job.work.string();
+  j["work"] = job.work_from_folder().string();
   j["program"] = job.program;
   j["arguments"] = job.arguments;
   j["needs"] = {{"cpus", job.needs.cpus},
@@ -97,7 +112,7 @@ Expected<FarmJob> read_farm_job(const fs::path& folder) {
   const auto read = read_json_file(file);
   if (!read) return std::unexpected(read.error());
   FarmJob job;
-  std::string at, work;
+  std::string work;
   Json needs, picture;
   auto good = Members(*read, file.string())
                   .read("name", job.name)
@@ -107,9 +122,10 @@ Expected<FarmJob> read_farm_job(const fs::path& folder) {
                   .read("outputs", job.outputs)
                   .read("video", job.video)
                   .read("audio", job.audio)
+                  .read_where_it_is("video_codec", job.video_codec)
+                  .read_where_it_is("video_pad", job.video_pad)
                   .read("shards", job.shards)
                   .read("rounds", job.rounds)
-                  .read("folder", at)
                   .read("work", work)
                   .read("program", job.program)
                   .read("arguments", job.arguments)
@@ -125,8 +141,11 @@ Expected<FarmJob> read_farm_job(const fs::path& folder) {
                .read("minutes", job.needs.minutes)
                .result();
   if (!good) return std::unexpected(good.error());
-  job.folder = at;
-  job.work = work;
+  // Where this machine sees them.
+  job.folder = fs::absolute(folder).lexically_normal();
+  if (!job.folder.has_filename()) job.folder = job.folder.parent_path();
+  job.work = (job.folder / work).lexically_normal();
+  if (!job.work.has_filename() && job.work.has_relative_path()) job.work = job.work.parent_path();
   const auto decided = job_from_json(picture.dump());
   if (!decided) return std::unexpected(Error{ErrorKind::input, decided.error().message, file.string() + ": /job"});
   job.job = *decided;

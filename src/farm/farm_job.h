@@ -27,16 +27,20 @@ struct FarmJob {
   std::string fps;
   std::vector<std::string> outputs;  // patterns
   std::string video, audio;          // the film that is made at the end; empty: none
+  std::string video_codec = "auto";  // as FilmFile has them
+  bool video_pad = false;
   int shards = 1;
   int rounds = 3;  // how often a shard is tried
   FarmNeeds needs;
   std::vector<std::string> engine_options;  // as the engine has them, "partition=night"
   Job job;                                  // decides the pictures
 
-  std::vector<int64_t> frame_list() const;
+  FrameList frame_list() const;
   // The files of a frame, absolute.
   std::vector<std::filesystem::path> files(int64_t frame) const;
   FrameRate rate() const;
+  // `work` as seen from the folder where that lies in it, so that machines may mount both elsewhere; else absolute.
+  std::filesystem::path work_from_folder() const;
 };
 
 std::filesystem::path farm_job_file(const std::filesystem::path& folder);

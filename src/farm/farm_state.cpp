@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <fstream>
 #include <map>
 #include <thread>
 #include <tuple>
@@ -24,55 +23,71 @@ std::vector<Maker> makers_of(const std::vector<RunRecord>& records) {
   return {makers.begin(), makers.end()};
 }
 
-// Both formats have the identity near their beginning.
-bool header_says(const fs::path& file, const std::string& identity) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string head(size_t(256) << 10, '\0');
-  stream.read(head.data(), std::streamsize(head.size()));
-  head.resize(size_t(stream.gcount()));
-  return head.find(identity) != std::string::npos;
-}
-
 class Frames {
  public:
   Frames(const FarmJob& job, const FarmLook& look, const std::vector<RunRecord>& records)
       : job_(job), look_(look), makers_(makers_of(records)), list_(job.frame_list()), rate_(job.rate()) {}
 
   // By the place in the list, several files at once: their reading takes most of the time.
-  std::vector<uint8_t> there() const {
-    std::vector<uint8_t> result(list_.size());
+  std::vector<FileState> states() const {
+    std::vector<FileState> result(list_.size(), FileState::missing);
+    const std::vector<size_t> there = places_with_files();
     std::atomic<size_t> next = 0;
     const auto work = [&] {
-      for (size_t i = next++; i < list_.size(); i = next++) result[i] = is_there(list_[i]);
+      for (size_t i = next++; i < there.size(); i = next++) result[there[i]] = state_of(list_[there[i]]);
     };
     const size_t most = std::clamp<size_t>(std::thread::hardware_concurrency(), 1, 16);
     std::vector<std::jthread> others;
-    while (others.size() + 1 < std::min(most, list_.size())) others.emplace_back(work);
+    while (others.size() + 1 < std::min(most, there.size())) others.emplace_back(work);
     work();
     others.clear();
     return result;
   }
 
  private:
-  bool is_there(int64_t frame) const {
+  // Folders are listed, not asked for each of the files that may be missing.
+  std::vector<size_t> places_with_files() const {
+    std::vector<uint8_t> files(list_.size());
+    size_t patterns = 0;
+    for (const std::string& output : job_.outputs) {
+      const FramePattern pattern = *parse_pattern(output);
+      const fs::path folder = fs::path(pattern.name(0)).parent_path();
+      if (!pattern.numbered || pattern.after_number().find('/') != std::string::npos) {
+        for (size_t i = 0; i < list_.size(); ++i) ++files[i];  // may be there
+      } else {
+        std::error_code failed;
+        for (fs::directory_iterator at(job_.work / folder, failed), end; !failed && at != end; at.increment(failed))
+          if (const auto frame = pattern.frame_of(folder / at->path().filename()))
+            if (const auto place = list_.place_of(*frame)) ++files[*place];
+      }
+      ++patterns;
+    }
+    std::vector<size_t> places;
+    for (size_t i = 0; i < files.size(); ++i)
+      if (files[i] == patterns) places.push_back(i);
+    return places;
+  }
+
+  FileState state_of(int64_t frame) const {
     const std::vector<fs::path> files = job_.files(frame);
     std::error_code failed;
     for (const fs::path& file : files)
-      if (!fs::exists(file, failed)) return false;
+      if (!fs::exists(file, failed)) return FileState::missing;
     for (const auto& [content, device, driver] : makers_) {
       const std::string identity = file_identity(job_.job, content, device, driver, rate_.seconds(frame), frame, rate_);
       const auto holds = [&](const fs::path& file) {
-        return look_.frames == FrameLook::whole ? holds_frame(file, identity) : header_says(file, identity);
+        return look_.frames == FrameLook::whole ? holds_frame(file, identity)
+                                                : header_state(file, identity) == FileState::whole;
       };
-      if (std::all_of(files.begin(), files.end(), holds)) return true;
+      if (std::all_of(files.begin(), files.end(), holds)) return FileState::whole;
     }
-    return false;
+    return FileState::damaged;
   }
 
   const FarmJob& job_;
   const FarmLook& look_;
   std::vector<Maker> makers_;
-  std::vector<int64_t> list_;
+  FrameList list_;
   FrameRate rate_;
 };
 
@@ -133,16 +148,18 @@ Expected<FarmState> look_at_farm(const FarmJob& job, const FarmLook& look) {
   std::erase_if(records, [&](const RunRecord& record) {
     return record.shard.count != job.shards || record.shard.index < 1 || record.shard.index > job.shards;
   });
-  const std::vector<int64_t> frames = job.frame_list();
-  const std::vector<uint8_t> there = Frames(job, look, records).there();
+  const FrameList frames = job.frame_list();
+  const std::vector<FileState> files = Frames(job, look, records).states();
   FarmState state{.frames = frames.size()};
   state.shards.resize(size_t(job.shards));
   for (int i = 0; i < job.shards; ++i) state.shards[size_t(i)].index = i + 1;
   for (size_t i = 0; i < frames.size(); ++i) {
     ShardState& shard = state.shards[i % state.shards.size()];
     ++shard.frames;
-    if (!there[i]) shard.missing.push_back(frames[i]);
-    state.done += there[i];
+    state.done += files[i] == FileState::whole;
+    if (files[i] == FileState::whole) continue;
+    shard.missing.push_back(frames[i]);
+    if (files[i] == FileState::damaged) shard.damaged.push_back(frames[i]);
   }
   size_t rendered = 0;
   std::set<std::string> devices;
@@ -154,7 +171,9 @@ Expected<FarmState> look_at_farm(const FarmJob& job, const FarmLook& look) {
   state.devices.assign(devices.begin(), devices.end());
   for (ShardState& shard : state.shards) {
     shard.stage = stage_of(shard, look.lost_after_s);
-    (shard.stage == ShardStage::failed ? state.failed : state.missing) += shard.missing.size();
+    const size_t absent = shard.missing.size() - shard.damaged.size();
+    (shard.stage == ShardStage::failed ? state.failed : state.missing) += absent;
+    state.damaged += shard.damaged.size();
   }
   const double busy_s = busy_seconds(records);
   if (rendered > 0 && busy_s > 0) {

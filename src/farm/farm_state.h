@@ -9,7 +9,8 @@
 
 namespace candela {
 
-// header: the files are there and say that they hold this job's picture; whole: they also decode to their end.
+// header: the files are there, as long as they were, and say that they hold this job's picture; whole: all of their
+// bytes are those that were written.
 enum class FrameLook { header, whole };
 
 enum class ShardStage {
@@ -24,14 +25,16 @@ struct ShardState {
   int index = 1;
   ShardStage stage = ShardStage::waiting;
   size_t frames = 0;
-  std::vector<int64_t> missing;
-  std::vector<RunRecord> runs;  // by their start
+  std::vector<int64_t> missing;  // or damaged
+  std::vector<int64_t> damaged;  // of them: files are there, but not whole or of another picture
+  std::vector<RunRecord> runs;   // by their start
 };
 
 struct FarmState {
   size_t frames = 0, done = 0;
   size_t failed = 0;   // frames that are not there, of shards that failed
   size_t missing = 0;  // frames that are not there, of the others
+  size_t damaged = 0;  // frames whose files are there, but not whole or of another picture
   std::vector<ShardState> shards;
   std::vector<std::string> devices;  // that made frames, with their drivers
   double rendered_per_s = 0;         // over the time in which at least one run was going; 0: unknown

@@ -22,7 +22,8 @@ Expected<void> make_farm_film(const FarmJob& job) {
     const auto image = read_film_frame(job.files(frame)[size_t(output)], data.width, data.height);
     if (!image) return std::unexpected(image.error());
     if (!video) {
-      auto opened = VideoWriter::open(film, audio, image->width, image->height, job.rate());
+      auto opened =
+          VideoWriter::open({film, audio, job.video_codec, job.video_pad}, image->width, image->height, job.rate());
       if (!opened) return std::unexpected(opened.error());
       video = std::move(*opened);
     }

@@ -25,7 +25,9 @@ Expected<std::vector<FarmFile>> make_file(const FarmJob& job) {
   text += fmt::format("\tcd -- {} && {} farm check {} --lost-after 0 || {{ rm -f -- {}/done/*; exit 1; }}\n\n", work,
                       program, folder, folder);  // the same command then makes what is missing
   text += "done/%:\n\t@mkdir -p done logs\n";
-  text += fmt::format("\tunset CANDELA_VIDEO CANDELA_AUDIO; cd -- {} && {} sequence", work, program);
+  text +=
+      fmt::format("\tunset CANDELA_VIDEO CANDELA_VIDEO_CODEC CANDELA_VIDEO_PAD CANDELA_AUDIO; cd -- {} && {} sequence",
+                  work, program);
   for (const std::string& word : job.arguments) text += " " + recipe_quoted(word);
   text += fmt::format(" \\\n\t  --shard $*/{} --resume --record {}/records >>{}/logs/shard-$*.log 2>&1\n", job.shards,
                       folder, folder);

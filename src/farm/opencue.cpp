@@ -22,7 +22,7 @@ outline.cuerun.launch(job, use_pycuerun=False, maxretries=rounds - 1)
 
 constexpr std::string_view task = R"SH(
 cd -- "$work" || exit 1
-unset CANDELA_VIDEO CANDELA_AUDIO  # the film is made at the end
+unset CANDELA_VIDEO CANDELA_VIDEO_CODEC CANDELA_VIDEO_PAD CANDELA_AUDIO  # the film is made at the end
 if [ "$1" = check ]; then exec "$candela" farm check "$folder" --lost-after 0; fi
 # What would end alike everywhere is not rendered again; OpenCue has no exit code that says so.
 never=$folder/claims/never-$1

@@ -136,7 +136,7 @@ watch_others() {  # SHARD...
 }
 
 cd -- "$work" || exit 1
-unset CANDELA_VIDEO CANDELA_AUDIO  # the film is made at the end
+unset CANDELA_VIDEO CANDELA_VIDEO_CODEC CANDELA_VIDEO_PAD CANDELA_AUDIO  # the film is made at the end
 mkdir -p -- "$folder/claims" "$folder/logs" "$folder/records" || exit 1
 # What workers of this machine left that were killed while they made a claim or a record.
 for file in "$folder"/claims/."$host"-* "$folder"/records/."$host"-*; do
@@ -194,9 +194,13 @@ Expected<std::vector<FarmFile>> shell_file(const FarmJob& job) {
       "# on as many machines as you like that see this folder and the frames, at any time, several times on one "
       "machine\n"
       "# too. Each takes free shards; the last to end makes the film. Run it again to go on.\n";
-  text += "folder=" + shell_quoted(job.folder.string()) + "\n";
-  text += "work=" + shell_quoted(job.work.string()) + "\n";
-  text += "candela=" + shell_quoted(job.program) + "\n";
+  text +=
+      "# Machines may see the folder under different names, and have the program elsewhere (CANDELA_PROGRAM).\n"
+      "folder=$(CDPATH= cd -- \"$(dirname -- \"$0\")\" && pwd) || exit 1\n";
+  const std::filesystem::path work = job.work_from_folder();
+  text += work.is_absolute() ? "work=" + shell_quoted(work.string()) + "\n"
+                             : "work=$folder/" + shell_quoted(work.string()) + "\n";
+  text += "candela=${CANDELA_PROGRAM:-" + shell_quoted(job.program) + "}\n";
   text +=
       fmt::format("shards={}\nrounds={}  # how often a start of this script tries a shard\n", job.shards, job.rounds);
   text += "sequence() {  # OPTION...\n  \"$candela\" sequence \\\n" + argument_lines(job.arguments, "    ", " \\") +

@@ -83,7 +83,7 @@ run_shard() {  # ROUND SHARDS
   exec >>"$folder/logs/shard-$shard.log" 2>&1
   say "--- round $round on ${SLURMD_NODENAME:-?}, job ${SLURM_JOB_ID:-?}, $(date -u +%FT%TZ)"
   cd -- "$work"
-  unset CANDELA_VIDEO CANDELA_AUDIO  # the film is made at the end
+  unset CANDELA_VIDEO CANDELA_VIDEO_CODEC CANDELA_VIDEO_PAD CANDELA_AUDIO  # the film is made at the end
   exec "$candela" sequence "${sequence[@]}" --shard "$shard/$shards" --resume --record "$folder/records"
 }
 
@@ -143,6 +143,11 @@ Expected<std::vector<FarmFile>> slurm_file(const FarmJob& job) {
   text += fmt::format("#SBATCH --ntasks=1 --cpus-per-task={}\n", job.needs.cpus);
   if (job.needs.gpus > 0) text += fmt::format("#SBATCH --gres=gpu:{}\n", job.needs.gpus);
   if (job.needs.minutes > 0) text += fmt::format("#SBATCH --time={}\n", job.needs.minutes);
+  const bool timed = job.needs.minutes > 0 || std::ranges::any_of(job.engine_options, [](const std::string& option) {
+                       return option.starts_with("time=");
+                     });
+  if (!timed)
+    log::warning("no --minutes: the cluster's own time limit holds for a shard, which may be short or refuse the job");
   for (const std::string& option : job.engine_options) {
     const auto line = option_line(option);
     if (!line) return std::unexpected(line.error());

@@ -12,7 +12,9 @@
 #include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfThreading.h>
+#include <OpenEXR/ImfTimeCodeAttribute.h>
 
+#include <algorithm>
 #include <cstring>
 #include <deque>
 #include <mutex>
@@ -25,6 +27,7 @@
 #include "image/exr_zip.h"
 #include "image/file_threads.h"
 #include "image/prepare.h"
+#include "image/seal.h"
 
 namespace candela {
 namespace {
@@ -77,11 +80,15 @@ Expected<void> add_metadata(Imf::Header& header, const MetadataEntry& entry, con
   const char* name = entry.name.c_str();
   switch (entry.kind) {
     case MetadataEntry::Kind::text:
-      header.insert(name, Imf::StringAttribute(entry.text));
+      if (int h = 0, m = 0, s = 0, f = 0;
+          entry.name == "timeCode" && std::sscanf(entry.text.c_str(), "%d:%d:%d:%d", &h, &m, &s, &f) == 4)
+        header.insert(name, Imf::TimeCodeAttribute(Imf::TimeCode(h, m, s, f)));
+      else
+        header.insert(name, Imf::StringAttribute(entry.text));
       break;
     case MetadataEntry::Kind::number:
       // The standard's own type for this name is a ratio; compositors look for nothing else.
-      if (entry.name == "framesPerSecond")
+      if (entry.name == "framesPerSecond" || entry.name == "captureRate")
         header.insert(name, Imf::RationalAttribute(Imf::guessExactFps(entry.number)));
       else
         header.insert(name, Imf::DoubleAttribute(entry.number));
@@ -208,18 +215,25 @@ Expected<std::string> encode_exr(const PictureView& image, ExrCompression compre
   return fail(ErrorKind::output, place, "OpenEXR cannot encode the image: {}", e.what());
 }
 
+namespace {
+Expected<PreparedFile> prepare_sealed(const std::filesystem::path& path, Expected<std::string> bytes,
+                                      std::span<const MetadataEntry> metadata) {
+  if (!bytes) return std::unexpected(bytes.error());
+  const auto file = std::as_writable_bytes(std::span(bytes->data(), bytes->size()));
+  if (std::ranges::any_of(metadata, [](const MetadataEntry& entry) { return entry.name == seal_name; }))
+    seal_file(file);
+  return prepare_file(path, file);
+}
+}  // namespace
+
 Expected<PreparedFile> prepare_exr(const std::filesystem::path& path, const FloatImage& image,
                                    ExrCompression compression) {
-  auto bytes = encode_exr(image, compression, path.string());
-  if (!bytes) return std::unexpected(bytes.error());
-  return prepare_file(path, std::as_bytes(std::span(bytes->data(), bytes->size())));
+  return prepare_sealed(path, encode_exr(image, compression, path.string()), image.metadata);
 }
 
 Expected<PreparedFile> prepare_exr(const std::filesystem::path& path, const PictureView& image,
                                    ExrCompression compression) {
-  auto bytes = encode_exr(image, compression, path.string());
-  if (!bytes) return std::unexpected(bytes.error());
-  return prepare_file(path, std::as_bytes(std::span(bytes->data(), bytes->size())));
+  return prepare_sealed(path, encode_exr(image, compression, path.string()), image.metadata);
 }
 
 Expected<void> write_exr(const std::filesystem::path& path, const FloatImage& image, ExrCompression compression) {

@@ -11,6 +11,7 @@
 #include "image/png_text.h"
 #include "image/png_write.h"
 #include "image/prepare.h"
+#include "image/seal.h"
 #include "image/webp.h"
 
 namespace candela {
@@ -112,7 +113,12 @@ Expected<PreparedFile> prepare_png(const std::filesystem::path& path, const Disp
   auto encoded = encode_png(image, path.string());
   if (!encoded) return std::unexpected(encoded.error());
   std::vector<std::byte> file = std::move(*encoded);
-  for (const auto& [keyword, text] : texts) file = with_png_text(file, keyword, text);
+  bool sealed = false;
+  for (const auto& [keyword, text] : texts) {
+    file = with_png_text(file, keyword, text);
+    sealed |= keyword == seal_name;
+  }
+  if (sealed) seal_file(file);
   return prepare_file(path, std::span<const std::byte>(file));
 }
 

@@ -9,6 +9,7 @@
 #include "base/knob.h"
 #include "base/pixel_rect.h"
 #include "image/io.h"
+#include "job/frame_list.h"
 #include "look/motion.h"
 #include "scene/view.h"
 
@@ -21,9 +22,6 @@ struct FrameRate {
   std::string text() const;
 };
 Expected<FrameRate> parse_frame_rate(const std::string& text);
-// Inclusive, as the field writes them: "0-249", "1-100x5", "2,4,10-20", "-5--1". In the order written, without
-// duplicates.
-Expected<std::vector<int64_t>> parse_frame_list(const std::string& text);
 
 // What a picture reaches beyond the size that is shown: pixels on each side, or a percentage of the width on the left
 // and right and of the height above and below.

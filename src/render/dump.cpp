@@ -185,7 +185,7 @@ Expected<void> write_dumps(const FrameResult& frame, const Job& job, const Sessi
     auto& metadata = image.metadata;
     metadata.push_back(number_entry("candela:pre_exposure", MetadataEntry::Kind::number, frame.pre_exposure));
     metadata.push_back(number_entry("candela:time", MetadataEntry::Kind::number, frame.time_s));
-    metadata.push_back(text_entry("candela:job", job_json(job)));
+    metadata.push_back(text_entry("candela:job", job_json(without_folders(job))));
     metadata.push_back(text_entry("candela:plan", frame.plan_hash.hex()));
     metadata.push_back(text_entry("candela:device", session.device().info().name));
     metadata.push_back(text_entry("candela:driver", session.device().info().driver));

@@ -1,6 +1,7 @@
 #include "render/film_frames.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "base/files.h"
 #include "base/input.h"
@@ -18,6 +19,15 @@ bool is_kept_frame(const fs::path& file) {
   return file.extension() == ".png" &&
          (digits.starts_with(".candela-") ||
           (digits.size() >= 6 && std::ranges::all_of(digits, [](char c) { return c >= '0' && c <= '9'; })));
+}
+
+// A file without alpha makes a film without.
+void drop_alpha(DisplayImage& image) {
+  const size_t sample = size_t(image.bits) / 8, count = size_t(image.width) * size_t(image.height);
+  for (size_t i = 0; i < count; ++i)
+    std::memmove(image.pixels.data() + i * 3 * sample, image.pixels.data() + i * 4 * sample, 3 * sample);
+  image.channels = 3;
+  image.pixels.resize(count * 3 * sample);
 }
 
 }  // namespace
@@ -53,16 +63,18 @@ Expected<DisplayImage> read_film_frame(const fs::path& file, int width_px, int h
   if (!bytes) return std::unexpected(bytes.error());
   auto decoded = decode_image(*bytes, file.string());
   if (!decoded) return std::unexpected(decoded.error());
-  if (decoded->format != DecodedImage::Format::rgba8)
-    return fail(ErrorKind::input, file.string(), "has more than 8 bits a channel, which a film has not");
+  if (decoded->format == DecodedImage::Format::rgba32f)
+    return fail(ErrorKind::input, file.string(), "holds radiance; a film is made of PNG files");
   if (decoded->width != width_px || decoded->height != height_px)
     return fail(ErrorKind::input, file.string(), "is {}x{} and the film {}x{}", decoded->width, decoded->height,
                 width_px, height_px);
-  return DisplayImage{.width = decoded->width,
-                      .height = decoded->height,
-                      .channels = 4,
-                      .bits = 8,
-                      .pixels = std::move(decoded->pixels)};
+  DisplayImage image{.width = decoded->width,
+                     .height = decoded->height,
+                     .channels = 4,
+                     .bits = decoded->format == DecodedImage::Format::rgba8 ? 8 : 16,
+                     .pixels = std::move(decoded->pixels)};
+  if (decoded->source_channels == 1 || decoded->source_channels == 3) drop_alpha(image);
+  return image;
 }
 
 }  // namespace candela

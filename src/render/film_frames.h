@@ -8,7 +8,7 @@
 
 namespace candela {
 
-// Pictures that a film is made of: PNG files of 8 bits a channel.
+// Pictures that a film is made of: PNG files of 8 or 16 bits a channel, with alpha or without.
 
 // Which of the outputs a film can be made of; -1: none.
 int film_output(const std::vector<std::string>& outputs);
@@ -18,7 +18,7 @@ FramePattern kept_frames(const std::filesystem::path& film);
 // Takes away what kept_frames() names, of any run, and the folder unless something else is in it.
 void remove_kept_frames(const std::filesystem::path& film);
 
-// Errors (input): not there, damaged, more than 8 bits, another size.
+// Errors (input): not there, damaged, no PNG, another size.
 Expected<DisplayImage> read_film_frame(const std::filesystem::path& file, int width_px, int height_px);
 
 }  // namespace candela

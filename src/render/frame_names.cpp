@@ -39,6 +39,51 @@ std::string FramePattern::name(int64_t frame, const std::string& camera) const {
   return name;
 }
 
+std::string FramePattern::before_number() const {
+  std::string text;
+  for (const Piece& piece : pieces) {
+    if (piece.kind == Piece::Kind::frame) break;
+    text += piece.text;
+  }
+  return text;
+}
+
+std::string FramePattern::after_number() const {
+  std::string text;
+  bool behind = false;
+  for (const Piece& piece : pieces) {
+    if (behind) text += piece.text;
+    behind |= piece.kind == Piece::Kind::frame;
+  }
+  return text;
+}
+
+std::optional<int64_t> FramePattern::frame_of(const fs::path& file) const {
+  if (!numbered || by_camera) return {};
+  // A sign that no name has stands for the number, so that both names are made plain in the same way.
+  const std::string plain = fs::path(before_number() + '\x01' + after_number()).lexically_normal().string();
+  const std::string name = file.lexically_normal().string();
+  const size_t at = plain.find('\x01'), behind = plain.size() - at - 1;
+  if (at == std::string::npos || name.size() <= at + behind || name.compare(0, at, plain, 0, at) != 0 ||
+      name.compare(name.size() - behind, behind, plain, at + 1, behind) != 0)
+    return {};
+  int64_t frame = 0;
+  const char *from = name.data() + at, *to = name.data() + name.size() - behind;
+  if (const auto read = std::from_chars(from, to, frame); read.ec != std::errc{} || read.ptr != to) return {};
+  return fs::path(this->name(frame)).lexically_normal() == name ? std::optional(frame) : std::nullopt;
+}
+
+bool may_share_names(const FramePattern& a, const FramePattern& b) {
+  const auto plain = [](const FramePattern& p) {
+    const std::string name = fs::path(p.before_number() + '\x01' + p.after_number()).lexically_normal().string();
+    return std::pair(name.substr(0, name.find('\x01')), name.substr(name.find('\x01') + 1));
+  };
+  const auto [before_a, after_a] = plain(a);
+  const auto [before_b, after_b] = plain(b);
+  return (before_a.starts_with(before_b) || before_b.starts_with(before_a)) &&
+         (after_a.ends_with(after_b) || after_b.ends_with(after_a));
+}
+
 namespace {
 
 using Piece = FramePattern::Piece;
@@ -147,10 +192,8 @@ Expected<Shard> parse_shard(const std::string& text) {
   return fail(ErrorKind::usage, "--shard", "'{}' is not a shard; write I/N with I from 1 to N, for example 2/8", text);
 }
 
-std::vector<int64_t> shard_of(const std::vector<int64_t>& frames, Shard shard) {
-  std::vector<int64_t> mine;
-  for (size_t k = size_t(shard.index - 1); k < frames.size(); k += size_t(shard.count)) mine.push_back(frames[k]);
-  return mine;
+FrameList shard_of(const FrameList& frames, Shard shard) {
+  return frames.every(size_t(shard.count), size_t(shard.index - 1));
 }
 
 }  // namespace candela

@@ -1,10 +1,12 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
+#include "job/frame_list.h"
 
 namespace candela {
 
@@ -25,7 +27,13 @@ struct FramePattern {
   std::string given;
   bool numbered = false, by_camera = false;  // false: the same name for every frame, or camera
   std::string name(int64_t frame, const std::string& camera = {}) const;
+  // The frame that a file of this name holds; none: it is no name of the pattern, or has no place for a number.
+  std::optional<int64_t> frame_of(const std::filesystem::path& file) const;
+  // What stands around the number.
+  std::string before_number() const, after_number() const;
 };
+// Whether the same name may come of both, for numbers of any frames.
+bool may_share_names(const FramePattern& a, const FramePattern& b);
 // Errors (usage): more than one place for the number, or a sign that begins one and is none.
 Expected<FramePattern> parse_pattern(const std::string& text);
 
@@ -38,6 +46,6 @@ struct Shard {
 };
 Expected<Shard> parse_shard(const std::string& text);  // "2/8"
 // Interleaved: frame k of the list belongs to shard k mod count + 1, so that slow stretches of a film are shared out.
-std::vector<int64_t> shard_of(const std::vector<int64_t>& frames, Shard shard);
+FrameList shard_of(const FrameList& frames, Shard shard);
 
 }  // namespace candela

@@ -3,14 +3,14 @@
 #include <array>
 #include <cstring>
 #include <deque>
+#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "base/check.h"
 #include "base/files.h"
-#include "image/exr.h"
-#include "image/png_text.h"
 #include "image/prepare.h"
+#include "image/seal.h"
 #include "job/light_groups.h"
 #include "passes/post/pack.h"
 #include "passes/surfaces/terms.h"
@@ -60,13 +60,14 @@ std::vector<MetadataEntry> metadata_of(const FrameResult& frame, const Job& job,
   FloatImage image;
   add_view_metadata(image, frame.view, frame.time_s, frame_number, rate);
   std::vector<MetadataEntry> metadata = std::move(image.metadata);
-  metadata.push_back(text_entry("candela:job", job_json(job)));
+  metadata.push_back(text_entry("candela:job", job_json(without_folders(job))));
   metadata.push_back(text_entry("candela:plan", frame.plan_hash.hex()));
   metadata.push_back(text_entry("candela:device", session.device().info().name));
   metadata.push_back(text_entry("candela:driver", session.device().info().driver));
   metadata.push_back(text_entry("candela:version", CANDELA_VERSION));
   metadata.push_back(text_entry("software", "candela " CANDELA_VERSION));
   metadata.push_back(text_entry(identity_name, file_identity(job, session, frame.time_s, frame_number, rate)));
+  metadata.push_back(text_entry(seal_name.data(), open_seal()));
   if (job.timings_in_metadata)
     metadata.push_back(text_entry("candela:timings", timings_json(frame, job, session).dump()));
   return metadata;
@@ -305,17 +306,23 @@ bool holds_frame(const fs::path& path, const std::string& identity) {
   const auto format = output_format(path);
   std::error_code failed;
   if (!format || !fs::is_regular_file(path, failed)) return false;
-  const auto bytes = read_file(path);
+  auto bytes = read_file(path);
   if (!bytes) return false;
-  if (*format == OutputFormat::png) {
-    const auto text = png_text(*bytes, identity_name, path.string());
-    return text && *text == identity;
-  }
-  const auto image = decode_exr(*bytes, path.string(), true);
-  if (!image) return false;
-  for (const MetadataEntry& entry : image->metadata)
-    if (entry.name == identity_name) return entry.text == identity;
-  return false;
+  const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  return text.find(identity) != text.npos && seal_holds(*bytes);
+}
+
+FileState header_state(const fs::path& path, const std::string& identity) {
+  std::error_code failed;
+  const uint64_t size = fs::file_size(path, failed);
+  if (failed) return FileState::missing;
+  std::ifstream stream(path, std::ios::binary);
+  std::vector<std::byte> head(size_t(256) << 10);
+  stream.read(reinterpret_cast<char*>(head.data()), std::streamsize(head.size()));
+  head.resize(size_t(stream.gcount()));
+  const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+  const bool whole = text.find(identity) != text.npos && sealed_length(head) == size;
+  return whole ? FileState::whole : FileState::damaged;
 }
 
 Expected<PreparedOutputs> prepare_outputs(FrameResult& frame, const Job& job, const Session& session,
@@ -351,9 +358,11 @@ Expected<PreparedOutputs> prepare_outputs(FrameResult& frame, const Job& job, co
   StageTimer timer(frame.timings, "encode", "encode");
   const std::string identity = file_identity(job, session, frame.time_s, frame_number, rate);
   for (size_t i = 0; i < paths.size(); ++i) {
-    auto file = formats[i] != OutputFormat::exr ? prepare_png(paths[i], display.view, {{identity_name, identity}})
-                : frame.request.for_files       ? prepare_exr(paths[i], linear.file.view, job.exr_compression)
-                                                : prepare_exr(paths[i], linear.image, job.exr_compression);
+    auto file =
+        formats[i] != OutputFormat::exr
+            ? prepare_png(paths[i], display.view, {{identity_name, identity}, {std::string(seal_name), open_seal()}})
+        : frame.request.for_files ? prepare_exr(paths[i], linear.file.view, job.exr_compression)
+                                  : prepare_exr(paths[i], linear.image, job.exr_compression);
     if (!file) return std::unexpected(file.error());
     prepared.files.push_back(std::move(*file));
   }

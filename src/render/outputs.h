@@ -33,9 +33,12 @@ std::string file_identity(const Job& job, const Session& session, double time_s,
 std::string file_identity(const Job& job, const std::string& scene_content, const std::string& device,
                           const std::string& driver, double time_s, std::optional<int64_t> frame_number,
                           FrameRate rate);
-// True when the file is whole (it decodes to its end, and nothing follows) and holds that picture. A missing file is
-// simply not.
+// True when the file says that it holds that picture, and its bytes are those that were written (image/seal.h). A
+// missing file is simply not.
 bool holds_frame(const std::filesystem::path& path, const std::string& identity);
+// What the header and the length of a file say. damaged: there, but not whole, or of another picture.
+enum class FileState { missing, damaged, whole };
+FileState header_state(const std::filesystem::path& path, const std::string& identity);
 
 // Writes one finished frame to every path (the ending chooses EXR or PNG), each atomically; fills timings with
 // read_back and encode.

@@ -384,7 +384,7 @@ FloatImage reference_image(const reference::Film& film, const ReferenceFrame& fr
   }
   add_view_metadata(image, frame.view, frame.time_s, frame_number, rate);
   auto& metadata = image.metadata;
-  metadata.push_back(text_entry("candela:job", job_json(job)));
+  metadata.push_back(text_entry("candela:job", job_json(without_folders(job))));
   metadata.push_back(text_entry("candela:reference", settings));
   metadata.push_back(number_entry("candela:spp", MetadataEntry::Kind::number, double(film.samples())));
   metadata.push_back(number_entry("candela:mse", MetadataEntry::Kind::number, film.mean_square_error()));

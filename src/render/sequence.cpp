@@ -20,14 +20,9 @@ namespace candela {
 namespace fs = std::filesystem;
 namespace {
 
-std::vector<fs::path> named_paths(const SequenceSettings& settings, int64_t frame) {
+std::vector<fs::path> paths_of(const SequenceSettings& settings, int64_t frame) {
   std::vector<fs::path> paths;
   for (const FramePattern& pattern : settings.patterns) paths.emplace_back(pattern.name(frame));
-  return paths;
-}
-
-std::vector<fs::path> paths_of(const SequenceSettings& settings, int64_t frame) {
-  std::vector<fs::path> paths = named_paths(settings, frame);
   if (settings.kept) paths.emplace_back(settings.kept->name(frame));
   return paths;
 }
@@ -41,13 +36,6 @@ fs::path film_frame(const SequenceSettings& settings, int64_t frame) {
   });
   CHECK(png != settings.patterns.end());
   return png->name(frame);
-}
-
-void remove_stale_files(const SequenceSettings& settings) {
-  std::vector<fs::path> targets;
-  for (const int64_t frame : settings.frames)
-    for (fs::path& path : paths_of(settings, frame)) targets.push_back(std::move(path));
-  remove_stale_temporaries(targets);
 }
 
 void add_sums(Timings& sums, Timings frame, bool keep_spans) {
@@ -126,9 +114,9 @@ class Run {
       : maker_(maker), job_(job), settings_(settings), limits_(encoder_limits(settings.encoders)) {}
 
   Expected<SequenceResult> all() {
-    if (!settings_.video.empty()) {
+    if (!settings_.film.path.empty()) {
       const PixelRect data = picture_window(job_).data;
-      auto video = VideoWriter::open(settings_.video, settings_.audio, data.width, data.height, settings_.rate);
+      auto video = VideoWriter::open(settings_.film, data.width, data.height, settings_.rate);
       if (!video) return std::unexpected(video.error());
       video_ = std::move(*video);
       was_there_.resize(settings_.frames.size());
@@ -154,7 +142,7 @@ class Run {
   }
 
   void remove_kept() const {
-    if (settings_.kept) remove_kept_frames(settings_.video);
+    if (settings_.kept) remove_kept_frames(settings_.film.path);
   }
 
   void say_what_is_kept() const {
@@ -162,7 +150,10 @@ class Run {
     const fs::path folder = fs::path(settings_.kept->name(0)).parent_path();
     std::error_code failed;
     if (fs::remove(folder, failed); fs::exists(folder, failed))  // an empty one goes
-      log::info("{} holds the frames made so far; the same command with --resume goes on from them", folder.string());
+      log::info(
+          "{0} holds the frames made so far; the same command with --resume goes on from them, and candela film {0} "
+          "-o part{1} makes a film of them",
+          folder.string(), settings_.film.path.extension().string());
   }
 
   Expected<void> render_all() {
@@ -335,9 +326,7 @@ class Run {
     return {};
   }
 
-  size_t place_of(int64_t number) const {
-    return size_t(std::find(settings_.frames.begin(), settings_.frames.end(), number) - settings_.frames.begin());
-  }
+  size_t place_of(int64_t number) const { return settings_.frames.place_of(number).value(); }
 
   FrameMaker& maker_;
   const Job& job_;
@@ -357,60 +346,12 @@ class Run {
 
 }  // namespace
 
-namespace {
-Expected<void> declare_files(const SequenceSettings& settings) {
-  if (!settings.audio.empty()) note_read({"--audio", settings.audio});
-  std::vector<NamedFile> files;
-  for (const int64_t frame : settings.frames)
-    for (fs::path& path : named_paths(settings, frame)) files.push_back({"-o", std::move(path)});
-  if (!settings.video.empty()) files.push_back({"--video", settings.video});
-  return declare_outputs(files);
-}
-}  // namespace
-
-Expected<void> check_sequence(const SequenceSettings& settings) {
-  if (settings.patterns.empty() && settings.video.empty())
-    return fail(ErrorKind::usage, "-o", "no output given; name files such as 'out/%04d.exr', or --video FILE.mp4");
-  if (settings.frames.empty())
-    return fail(ErrorKind::usage, "--shard", "there are fewer frames than shards: this shard has none");
-  std::map<std::string, int64_t> names;
-  for (const FramePattern& pattern : settings.patterns) {
-    if (pattern.by_camera)
-      return fail(ErrorKind::usage, "-o", "'{}': {{camera}} belongs to render, a sequence has one", pattern.given);
-    if (!pattern.numbered && settings.frames.size() > 1)
-      return fail(ErrorKind::usage, "-o", "'{}' has no place for the frame number; write %04d or ####", pattern.given);
-    if (const auto format = output_format(pattern.name(0)); !format) return std::unexpected(format.error());
-    for (const int64_t frame : settings.frames) {
-      const std::string name = fs::path(pattern.name(frame)).lexically_normal().string();
-      if (!names.emplace(name, frame).second) return fail(ErrorKind::usage, "-o", "'{}' would be written twice", name);
-    }
-  }
-  if (auto fine = declare_files(settings); !fine) return fine;
-  std::set<fs::path> folders;
-  for (const int64_t frame : settings.frames)
-    for (const fs::path& path : named_paths(settings, frame))
-      if (folders.insert(path.parent_path()).second)
-        if (auto ready = prepare_output(path); !ready) return ready;
-  if (!settings.video.empty()) {
-    if (auto good = check_video(settings.video, settings.audio); !good) return good;
-  } else if (!settings.audio.empty()) {
-    return fail(ErrorKind::usage, "--audio", "goes with --video");
-  }
-  return {};
-}
-
-WantedOutputs wanted_by(const SequenceSettings& settings, const Job& job) {
-  WantedOutputs wanted{
-      .linear = false, .display = !settings.video.empty(), .display_bits = job.png_bits, .files = true};
-  for (const FramePattern& pattern : settings.patterns) {
-    const auto format = output_format(pattern.name(0));
-    (format && *format == OutputFormat::exr ? wanted.linear : wanted.display) = true;
-  }
-  return wanted;
-}
-
 Expected<SequenceResult> run_sequence(FrameMaker& maker, const Job& job, const SequenceSettings& settings) {
-  remove_stale_files(settings);
+  remove_stale_temporaries(folders_of(settings), [&](const std::function<bool(const fs::path&)>& is_target) {
+    for (const int64_t frame : settings.frames)
+      for (const fs::path& path : paths_of(settings, frame))
+        if (is_target(path)) return;
+  });
   return Run(maker, job, settings).all();
 }
 

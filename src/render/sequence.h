@@ -2,10 +2,12 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "render/encoder_pool.h"
+#include "render/film_format.h"
 #include "render/frame_names.h"
 #include "render/prepare_outputs.h"
 #include "session/session.h"
@@ -19,11 +21,11 @@ struct SequenceProgress {
 };
 
 struct SequenceSettings {
-  std::vector<int64_t> frames;  // of this shard, in the order they are rendered
+  FrameList frames;  // of this shard, in the order they are rendered
   FrameRate rate;
   std::vector<FramePattern> patterns;
-  bool resume = false;  // leave out frames whose files all are whole and hold this job's picture
-  std::filesystem::path video, audio;
+  bool resume = false;                     // leave out frames whose files all are whole and hold this job's picture
+  FilmFile film;                           // no path: none is made
   std::optional<FramePattern> kept;        // where frames of the film lie until it is made; none: a pattern is a PNG
   int in_flight = 0;                       // frames begun before the first of them is finished; 0: as the session says
   int encoders = 0;                        // threads that encode and write; 0: as many as cores
@@ -68,6 +70,8 @@ class FrameMaker {
 // Errors (usage) before anything is rendered: a pattern without a number for more than one frame, two files of one
 // name, no output at all; (output): a folder that cannot be written.
 Expected<void> check_sequence(const SequenceSettings& settings);
+// Of all files of frames.
+std::set<std::filesystem::path> folders_of(const SequenceSettings& settings);
 WantedOutputs wanted_by(const SequenceSettings& settings, const Job& job);
 
 // Renders the frames; read-back copies, encoding and writing of earlier ones, several at once, overlap the rendering of

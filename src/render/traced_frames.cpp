@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "image/prepare.h"
+#include "image/seal.h"
 #include "job/background.h"
 #include "job/job_look.h"
 #include "job/light_groups.h"
@@ -206,6 +207,7 @@ Expected<std::optional<FinishedFrame>> TracedFrames::finish(int64_t number) {
     picture->linear = reference_image(film, **frame, job_, settings_json(request_.settings, request_.accel),
                                       job_.layers, number, rate_, request_.settings.sampler);
     picture->linear.metadata.push_back(text_entry(identity_name, identity(time_s_, number, rate_)));
+    picture->linear.metadata.push_back(text_entry(seal_name.data(), open_seal()));
   }
   if (wanted_.display) picture->display = traced_display(film, **frame, job_, job_.view, request_.settings.sampler);
   finished.traced = std::move(picture);
@@ -236,7 +238,8 @@ Expected<PreparedOutputs> TracedFrames::prepare(FinishedFrame& finished, FrameRa
                     ? prepare_exr(path, picture.linear, job_.exr_compression)
                     : prepare_png(path, view_of(picture.display),
                                   {{"candela:reference", settings_json(request_.settings, request_.accel)},
-                                   {identity_name, identity(finished.frame.time_s, finished.number, rate)}});
+                                   {identity_name, identity(finished.frame.time_s, finished.number, rate)},
+                                   {std::string(seal_name), open_seal()}});
     if (!file) return std::unexpected(file.error());
     prepared.files.push_back(std::move(*file));
   }

@@ -8,10 +8,12 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <limits>
 
 #include "base/check.h"
 #include "base/files.h"
 #include "base/input.h"
+#include "base/log.h"
 #include "base/text.h"
 #include "render/frame_names.h"
 
@@ -31,61 +33,21 @@ bool on_path(const std::string& program) {
 // The film has this number in ffmpeg, which opens it by that: its name in the folder may be somebody else's by then.
 constexpr int film_file = 3;
 
-std::string muxer_of(const fs::path& film) {
-  const std::string ending = film.extension().string();
-  return ending == ".mkv" ? "matroska" : ending.substr(1);
-}
-
-std::vector<std::string> arguments(const fs::path& film, const fs::path& audio, int width_px, int height_px,
-                                   FrameRate rate) {
-  // H.264 with 4:2:0 chroma wants even sides: odd ones grow by a black row or column. Rec.709 is said in the stream,
-  // because players guess it from the height otherwise.
-  std::vector<std::string> a = {"ffmpeg",
-                                "-hide_banner",
-                                "-nostdin",
-                                "-loglevel",
-                                "error",
-                                "-xerror",
-                                "-y",
-                                "-f",
-                                "rawvideo",
-                                "-pix_fmt",
-                                "rgb24",
-                                "-s",
-                                fmt::format("{}x{}", width_px, height_px),
-                                "-r",
-                                rate.text(),
-                                "-i",
-                                "pipe:0"};
-  if (!audio.empty())
-    a.insert(a.end(), {"-i", audio.string(), "-map", "0:v", "-map", "1:a", "-c:a", "aac", "-b:a", "192k", "-shortest"});
-  a.insert(a.end(), {"-vf",
-                     "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv",
-                     "-c:v",
-                     "libx264",
-                     "-preset",
-                     "medium",
-                     "-crf",
-                     "18",
-                     "-pix_fmt",
-                     "yuv420p",
-                     "-colorspace",
-                     "bt709",
-                     "-color_primaries",
-                     "bt709",
-                     "-color_trc",
-                     "iec61966-2-1",
-                     "-movflags",
-                     "+faststart",
-                     "-map_metadata",
-                     "-1",
-                     "-fflags",
-                     "+bitexact",
-                     "-flags:v",
-                     "+bitexact",
-                     "-f",
-                     muxer_of(film),
-                     fmt::format("/proc/self/fd/{}", film_file)});
+std::vector<std::string> arguments(const FilmCodec& codec, const FilmFile& film, int width_px, int height_px,
+                                   FrameRate rate, int bits, bool alpha) {
+  const char* pixels = bits == 8 ? (alpha ? "rgba" : "rgb24") : (alpha ? "rgba64le" : "rgb48le");
+  std::vector<std::string> a = {"ffmpeg", "-hide_banner", "-nostdin", "-loglevel", "error", "-xerror", "-y"};
+  a.insert(a.end(), {"-f", "rawvideo", "-pix_fmt", pixels, "-s", fmt::format("{}x{}", width_px, height_px), "-r",
+                     rate.text(), "-i", "pipe:0"});
+  if (!film.audio.empty()) {
+    // A relative name that begins with a dash would be an option to ffmpeg.
+    a.insert(a.end(), {"-i", fs::absolute(film.audio).string(), "-map", "0:v", "-map", "1:a", "-c:a",
+                       std::string(codec.audio), "-shortest"});
+    if (!codec.audio.starts_with("pcm")) a.insert(a.end(), {"-b:a", "192k"});
+  }
+  const std::vector<std::string> encoder = encoder_arguments(codec, film, bits, alpha);
+  a.insert(a.end(), encoder.begin(), encoder.end());
+  a.push_back(fmt::format("/proc/self/fd/{}", film_file));
   return a;
 }
 
@@ -109,49 +71,98 @@ int spawn_reading(int pipe_end, int film, std::vector<std::string> arguments, in
   return error == 0 ? process : -1;
 }
 
-std::vector<std::byte> over_black(const DisplayImage& image) {
-  CHECK(image.bits == 8);
-  if (image.channels == 3) return image.pixels;
-  std::vector<std::byte> rgb(image.pixels.size() / 4 * 3);
-  for (size_t i = 0; i < rgb.size() / 3; ++i)
-    for (size_t c = 0; c < 3; ++c)
-      rgb[i * 3 + c] = std::byte((unsigned(image.pixels[i * 4 + c]) * unsigned(image.pixels[i * 4 + 3]) + 127) / 255);
-  return rgb;
+template <class Sample>
+Sample sample_at(const DisplayImage& image, size_t i) {
+  Sample value;
+  std::memcpy(&value, image.pixels.data() + i * sizeof(Sample), sizeof(Sample));
+  return value;
+}
+
+// Alpha that the stream has not is black behind the picture.
+template <class From, class To>
+std::vector<std::byte> converted(const DisplayImage& image, bool alpha) {
+  constexpr uint64_t from_full = std::numeric_limits<From>::max(), to_full = std::numeric_limits<To>::max();
+  const size_t from = size_t(image.channels), to = alpha ? 4 : 3;
+  const size_t count = size_t(image.width) * size_t(image.height);
+  std::vector<std::byte> pixels(count * to * sizeof(To));
+  for (size_t i = 0; i < count; ++i) {
+    const uint64_t a = from == 4 ? sample_at<From>(image, i * from + 3) : from_full;
+    for (size_t c = 0; c < to; ++c) {
+      const bool over_black = !alpha && from == 4;
+      const uint64_t value = c == 3 ? a : sample_at<From>(image, i * from + c);
+      const uint64_t full = over_black ? from_full * from_full : from_full;
+      const To out = To(((over_black ? value * a : value) * to_full + full / 2) / full);
+      std::memcpy(pixels.data() + (i * to + c) * sizeof(To), &out, sizeof(To));
+    }
+  }
+  return pixels;
+}
+
+// As the stream has it.
+std::vector<std::byte> stream_pixels(const DisplayImage& image, int bits, bool alpha) {
+  if (image.bits == bits && image.channels == (alpha ? 4 : 3)) return image.pixels;
+  if (image.bits == 8)
+    return bits == 8 ? converted<uint8_t, uint8_t>(image, alpha) : converted<uint8_t, uint16_t>(image, alpha);
+  return bits == 8 ? converted<uint16_t, uint8_t>(image, alpha) : converted<uint16_t, uint16_t>(image, alpha);
+}
+
+template <class Sample>
+bool has_holes(const DisplayImage& image) {
+  for (size_t i = 0; i < size_t(image.width) * size_t(image.height); ++i)
+    if (sample_at<Sample>(image, i * 4 + 3) != std::numeric_limits<Sample>::max()) return true;
+  return false;
+}
+
+bool shows_through(const DisplayImage& image) {
+  return image.channels == 4 && (image.bits == 8 ? has_holes<uint8_t>(image) : has_holes<uint16_t>(image));
 }
 
 }  // namespace
 
-Expected<void> check_video(const fs::path& path, const fs::path& audio) {
-  const std::string ending = path.extension().string();
-  if (ending != ".mp4" && ending != ".mov" && ending != ".mkv")
-    return fail(ErrorKind::usage, "--video", "'{}' ends in none of .mp4, .mov and .mkv", path.string());
+Expected<void> check_video(const FilmFile& film) {
+  if (const auto codec = film_codec(film); !codec) return std::unexpected(codec.error());
   if (!on_path("ffmpeg"))
     return fail(ErrorKind::usage, "--video", "needs the program ffmpeg, which is not on PATH (apt install ffmpeg)");
-  if (!audio.empty())
-    if (auto good = check_regular_file(audio); !good) return good;
-  return prepare_output(path);
+  if (!film.audio.empty())
+    if (auto good = check_regular_file(film.audio); !good) return good;
+  return prepare_output(film.path);
 }
 
-Expected<std::unique_ptr<VideoWriter>> VideoWriter::open(const fs::path& path, const fs::path& audio, int width_px,
-                                                         int height_px, FrameRate rate) {
-  if (auto good = check_video(path, audio); !good) return std::unexpected(good.error());
-  auto film = PreparedFile::create(path);
-  if (!film) return std::unexpected(film.error());
-  std::unique_ptr<VideoWriter> writer(new VideoWriter(std::move(*film)));
-  writer->path_ = path;
+Expected<std::unique_ptr<VideoWriter>> VideoWriter::open(const FilmFile& film, int width_px, int height_px,
+                                                         FrameRate rate) {
+  if (auto good = check_video(film); !good) return std::unexpected(good.error());
+  if (auto good = check_film_size(film, width_px, height_px); !good) return std::unexpected(good.error());
+  auto file = PreparedFile::create(film.path);
+  if (!file) return std::unexpected(file.error());
+  return std::unique_ptr<VideoWriter>(
+      new VideoWriter(std::move(*file), film, **film_codec(film), width_px, height_px, rate));
+}
+
+Expected<void> VideoWriter::start(const DisplayImage& first) {
+  bits_ = codec_.deep ? first.bits : 8;
+  alpha_ = codec_.alpha && first.channels == 4;
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0)
-    return fail(ErrorKind::output, path.string(), "cannot make a pipe: {}", std::strerror(errno));
+    return fail(ErrorKind::output, film_.path.string(), "cannot make a pipe: {}", std::strerror(errno));
   int error = 0;
-  // A relative name that begins with a dash would be an option to ffmpeg.
-  const fs::path audio_name = audio.empty() ? audio : fs::absolute(audio);
-  writer->process_ =
-      spawn_reading(ends[0], writer->film_.file(), arguments(path, audio_name, width_px, height_px, rate), error);
+  process_ = spawn_reading(ends[0], file_.file(), arguments(codec_, film_, width_px_, height_px_, rate_, bits_, alpha_),
+                           error);
   close(ends[0]);
-  writer->pipe_ = ends[1];
-  if (writer->process_ < 0)
-    return fail(ErrorKind::output, path.string(), "cannot start ffmpeg: {}", std::strerror(error));
-  return writer;
+  pipe_ = ends[1];
+  if (process_ >= 0) return {};
+  return fail(ErrorKind::output, film_.path.string(), "cannot start ffmpeg: {}", std::strerror(error));
+}
+
+void VideoWriter::say_that_alpha_is_lost(const DisplayImage& image) {
+  if (alpha_ || said_ || !shows_through(image)) return;
+  said_ = true;
+  if (codec_.alpha)
+    log::warning("the film's first frame has no alpha, so the film has none; others stand on black");
+  else
+    log::warning(
+        "{} has no alpha: the transparent background is black in the film (--video-codec prores4444, ffv1, png or vp9 "
+        "keep alpha, --background COLOR fills it)",
+        codec_.title);
 }
 
 VideoWriter::~VideoWriter() {
@@ -170,20 +181,24 @@ Expected<void> VideoWriter::wait_for_exit() {
   }
   process_ = -1;
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
-  return fail(ErrorKind::output, path_.string(), "ffmpeg ended with {} {} (its own message is above)",
+  return fail(ErrorKind::output, film_.path.string(), "ffmpeg ended with {} {} (its own message is above)",
               WIFEXITED(status) ? "status" : "signal", WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status));
 }
 
 Expected<void> VideoWriter::add(const DisplayImage& image) {
-  const std::vector<std::byte> rgb = over_black(image);
+  CHECK(image.width == width_px_ && image.height == height_px_);
+  if (process_ < 0)
+    if (auto started = start(image); !started) return started;
+  say_that_alpha_is_lost(image);
+  const std::vector<std::byte> pixels = stream_pixels(image, bits_, alpha_);
   // When ffmpeg has ended, writing must be an error here and not a signal that ends the program.
   sigset_t pipe_signal, before;
   sigemptyset(&pipe_signal);
   sigaddset(&pipe_signal, SIGPIPE);
   pthread_sigmask(SIG_BLOCK, &pipe_signal, &before);
   int error = 0;
-  for (size_t done = 0; done < rgb.size() && error == 0;) {
-    const ssize_t n = write(pipe_, rgb.data() + done, rgb.size() - done);
+  for (size_t done = 0; done < pixels.size() && error == 0;) {
+    const ssize_t n = write(pipe_, pixels.data() + done, pixels.size() - done);
     if (n >= 0)
       done += size_t(n);
     else if (errno != EINTR)
@@ -196,13 +211,14 @@ Expected<void> VideoWriter::add(const DisplayImage& image) {
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
   if (error == 0) return {};
   if (auto ended = wait_for_exit(); !ended) return ended;
-  return fail(ErrorKind::output, path_.string(), "ffmpeg stopped reading: {}", std::strerror(error));
+  return fail(ErrorKind::output, film_.path.string(), "ffmpeg stopped reading: {}", std::strerror(error));
 }
 
 Expected<void> VideoWriter::finish() {
+  CHECK(process_ >= 0);
   if (auto ended = wait_for_exit(); !ended) return ended;
-  if (auto flushed = film_.flush(); !flushed) return flushed;
-  return film_.put_in_place();
+  if (auto flushed = file_.flush(); !flushed) return flushed;
+  return file_.put_in_place();
 }
 
 }  // namespace candela

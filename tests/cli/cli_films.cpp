@@ -52,4 +52,53 @@ TEST(CityFilm, AFrameIsTheSameAloneInOrderAndInShards) { expect_the_same_frames(
 // The wall of the cave, whose relief moves, and the lamps that pass it.
 TEST(CaveFilm, AFrameIsTheSameAloneInOrderAndInShards) { expect_the_same_frames("cave-film"); }
 
+bool without_ffmpeg() { return run_program({"ffmpeg", "-version"}).code != 0; }
+
+Ended see_through_film(const std::string& film, const Arguments& more) {
+  Arguments words = {"sequence", scene("unlit-box"), "--frames", "0-1", "--size", "64x36", "--quiet"};
+  words.insert(words.end(), {"--video", film});
+  words.insert(words.end(), more.begin(), more.end());
+  return candela(words);
+}
+
+// The film holds the picture's pixels with their alpha, and one of frames that are there is the same film.
+TEST(Film, KeepsAlphaWhereItsCodecHasIt) {
+  if (without_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
+  const TestFolder folder;
+  const std::string frames = folder / "frames/%04d.png", film = folder / "film.mkv", again = folder / "again.mkv";
+  const Ended made = see_through_film(film, {"--video-codec", "ffv1", "-o", frames});
+  ASSERT_EQ(made.code, 0) << made.err;
+  EXPECT_EQ(made.err, "");
+  const std::string still = folder / "still.png";
+  ASSERT_EQ(run_program({"ffmpeg", "-v", "error", "-i", film, "-frames:v", "1", "-pix_fmt", "rgba", still}).code, 0);
+  const Ended same = candela({"compare", still, folder / "frames/0000.png", "--limit", "differing=0", "--json"});
+  EXPECT_EQ(same.code, 0) << same.out << same.err;
+  ASSERT_EQ(candela({"film", frames, "-o", again, "--video-codec", "ffv1"}).code, 0);
+  EXPECT_TRUE(bytes_of(again) == bytes_of(film));
+}
+
+TEST(Film, SaysThatH264LosesAlpha) {
+  if (without_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
+  const TestFolder folder;
+  const Ended lost = see_through_film(folder / "a.mp4", {});
+  EXPECT_EQ(lost.code, 0);
+  EXPECT_NE(lost.err.find("H.264 has no alpha"), std::string::npos) << lost.err;
+  EXPECT_EQ(see_through_film(folder / "b.mp4", {"--background", "white"}).err, "");
+}
+
+// Frames that have gone are named; the film is of those that are there.
+TEST(Film, IsMadeOfWhatIsThere) {
+  if (without_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
+  const TestFolder folder;
+  ASSERT_EQ(candela({"sequence", scene("unlit-box"), "--frames", "0-4", "--size", "64x36", "--quiet", "-o",
+                     folder / "frames/%04d.png"})
+                .code,
+            0);
+  fs::remove(folder / "frames/0002.png");
+  const Ended ended = candela({"film", folder / "frames", "-o", folder / "a.mov", "--video-codec", "prores4444"});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_NE(ended.err.find("frames 2 are missing"), std::string::npos) << ended.err;
+  EXPECT_NE(ended.err.find("4 frames, 64x36"), std::string::npos) << ended.err;
+}
+
 }  // namespace candela::test::cli_films

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -67,6 +70,41 @@ TEST(Limits, AFileSizeLimitIsExitFive) {
   EXPECT_EQ(driver.code, 5) << driver.err;
   EXPECT_NE(driver.err.find("error: "), std::string::npos) << driver.err;
   EXPECT_TRUE(files_in(folder.path()).empty());
+}
+
+// A small stack is no obstacle, and a driver that gets too few addresses ends in a message.
+TEST(Limits, SmallStacksAndAddressSpaces) {
+  TestFolder folder;
+  const Arguments render = {"render", scene("unlit-box"), "--size", "16x16", "--quiet", "-o", folder / "a.png"};
+  const Ended stack = candela_in_shell("ulimit -s 64; exec \"$0\" \"$@\"", render);
+  EXPECT_EQ(stack.code, 0) << stack.err;
+  fs::remove(folder / "a.png");
+  for (const char* limit : {"300000", "600000"}) {
+    const Ended small =
+        candela_in_shell(std::string("ulimit -c 0; ulimit -v ") + limit + "; exec \"$0\" \"$@\"", render);
+    EXPECT_EQ(small.code, 6) << limit << small.err;
+    EXPECT_NE(small.err.find("memory ran out"), std::string::npos) << small.err;
+  }
+  EXPECT_TRUE(files_in(folder.path()).empty());
+}
+
+// What was judged stays, and a line says how to go on.
+TEST(Interrupts, GoldenCheckSaysHowToGoOn) {
+  TestFolder folder;
+  const std::string root = folder / "golden";
+  fs::copy_file(scene("unlit-box"), folder / "a.glb");
+  for (const char* name : {"a", "b", "c", "d", "e", "f"})
+    ASSERT_EQ(candela({"golden", "add", "a.glb", "--size", "16x16", "--name", name, "--quiet"}, folder.path()).code, 0);
+  const std::string err = folder / "err";
+  const int process = start_candela({"golden", "check", "--root", root}, folder / "out", err);
+  for (int i = 0; i < 600 && bytes_of(err).find("a: identical") == std::string::npos; ++i) usleep(10'000);
+  kill(process, SIGTERM);
+  int status = 0;
+  waitpid(process, &status, 0);
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM) << bytes_of(err);
+  EXPECT_NE(bytes_of(err).find("the same command with --from-golden "), std::string::npos) << bytes_of(err);
+  EXPECT_NE(bytes_of(folder / "out").find("not looked at: interrupted"), std::string::npos);
+  EXPECT_EQ(candela({"golden", "check", "--root", root, "--from-golden", "f", "--quiet"}).code, 0);
 }
 
 TEST(Names, TheLongestLegalOneIsWrittenAndALongerOneRefusedBeforeRendering) {

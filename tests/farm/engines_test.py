@@ -98,7 +98,9 @@ class Engines(FolderTest):
         self.assertTrue(self.status(folder / "job")["complete"])
 
     def status(self, job):
-        status = json.loads(candela("farm", "status", job, "--json"))
+        ended = run([program(), "farm", "status", job, "--json"])
+        status = json.loads(ended.stdout)
+        self.assertEqual(0 if status["complete"] else 1, ended.returncode, ended.stderr)
         check_schema(status, json.loads((ROOT / "docs/schemas/farm-status.schema.json").read_text()))
         return status
 
@@ -107,7 +109,7 @@ class Engines(FolderTest):
         make = ["make", "-j2", "-k", "-C", folder / "job", "-f", "job.mk"]
         self.assertNotEqual(0, run(make).returncode)
         status = self.status(folder / "job")
-        self.assertEqual({"total": 10, "done": 6, "failed": 2, "missing": 2}, status["frames"])
+        self.assertEqual({"total": 10, "done": 6, "failed": 2, "missing": 2, "damaged": 0}, status["frames"])
         self.assertEqual([(2, 6, "again")], [(one["shard"], one["code"], one["remedy"]) for one in status["failures"]])
         ended = run(make)
         self.assertEqual(0, ended.returncode, ended.stderr)
@@ -201,6 +203,27 @@ class Engines(FolderTest):
         needs = "{'threads': 3, 'memory': '700m'}"
         self.assertEqual([f"frames {i} {'33 0' if i == 2 else '0'} {needs}" for i in range(1, 6)] + ["check 1 0 {}"], lines)
         self.compare(folder, name)
+
+    def test_shell_where_the_folder_is_mounted_elsewhere(self):
+        """No path of the machine that wrote the job is needed, and the frames are the same."""
+        here, there = self.base / "here", self.base / "there"
+        here.mkdir()
+        shutil.copy(scene("unlit-box"), here / "box.glb")
+        film = ["--frames", "0-2", "--size", SIZE, "--device", "cpu", "--quiet"]
+        candela("farm", "shell", "box.glb", *film, "-o", "out/%d.exr", "--video", "film.mkv", "--video-codec", "ffv1",
+                "--shards", "2", "--job", "job", "--program", "/nowhere/candela", cwd=here)
+        here.rename(there)
+        ended = run(["sh", there / "job/job.sh"], env={**os.environ, "CANDELA_PROGRAM": program()})
+        self.assertEqual(0, ended.returncode, ended.stderr)
+        self.assertTrue(self.status(there / "job")["complete"])
+        self.assertEqual(3, len(contents(there / "out", ".exr")))
+        self.assertTrue((there / "film.mkv").is_file())
+        (there / "out/1.exr").write_bytes((there / "out/0.exr").read_bytes())  # a whole file, of another frame
+        (there / "out/2.exr").unlink()
+        ended = run([program(), "farm", "check", there / "job"])
+        self.assertEqual(1, ended.returncode)
+        self.assertIn("missing  2\n", ended.stderr)
+        self.assertIn("damaged  1\n", ended.stderr)
 
     def test_a_folder_holds_one_job(self):
         folder = self.base / "one"

@@ -10,7 +10,7 @@ import unittest
 
 import cluster
 import common
-from common import HOSTILE, SIZE, FolderTest, candela, contents, need, pattern, run, same, scene
+from common import HOSTILE, SIZE, FolderTest, candela, contents, need, pattern, program, run, same, scene
 
 # Stands for candela where something is to go wrong in the first run of a shard. What goes wrong is real: too little
 # memory for the driver, no device, a run that hangs. $TROUBLE is a folder; TROUBLE/NAME.SHARD asks for trouble.
@@ -70,7 +70,10 @@ class Slurm(FolderTest):
         cluster.wait_for(what, lambda: not self.cluster.jobs(), 240)
 
     def status(self, folder):
-        return json.loads(candela("farm", "status", folder, "--json", "--whole"))
+        ended = run([program(), "farm", "status", folder, "--json", "--whole"])
+        status = json.loads(ended.stdout)
+        self.assertEqual(0 if status["complete"] else 1, ended.returncode, ended.stderr)
+        return status
 
     def logs(self, job):
         return "".join(f"== {path.name}\n{path.read_text(errors='replace')}" for path in sorted((job / "logs").iterdir()))
@@ -151,7 +154,7 @@ class Slurm(FolderTest):
         self.finish("a job with a broken scene")
         self.assertEqual(["1", "2"], sorted(line.split()[0] for line in (trouble / "runs").read_text().splitlines()))
         status = self.status(folder / "job")
-        self.assertEqual({"total": 4, "done": 0, "failed": 4, "missing": 0}, status["frames"])
+        self.assertEqual({"total": 4, "done": 0, "failed": 4, "missing": 0, "damaged": 0}, status["frames"])
         self.assertEqual([("never", 3)] * 2, [(one["remedy"], one["code"]) for one in status["failures"]])
 
 

@@ -7,6 +7,8 @@
 #include "base/files.h"
 #include "base/json.h"
 #include "farm/writers.h"
+#include "image/io.h"
+#include "image/seal.h"
 #include "render/outputs.h"
 
 namespace candela {
@@ -62,11 +64,17 @@ class Farm : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder); }
 
-  // A file whose header says what it holds; it is no picture.
+  // A file whose header and length are right; its last byte is not.
   void put(int64_t frame, const std::string& device) {
-    std::ofstream(job.files(frame)[0]) << "head "
-                                       << file_identity(job.job, "c0", device, "d", job.rate().seconds(frame), frame,
-                                                        job.rate());
+    DisplayImage picture{.width = 1, .height = 1};
+    picture.pixels.resize(3);
+    const std::string identity =
+        file_identity(job.job, "c0", device, "d", job.rate().seconds(frame), frame, job.rate());
+    const fs::path file = job.files(frame)[0];
+    ASSERT_TRUE(write_png(file, picture, {{identity_name, identity}, {std::string(seal_name), open_seal()}}));
+    std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+    stream.seekp(-1, std::ios::end);
+    stream.put('x');
   }
   void record(int index, std::optional<int> code, const std::string& device = "gpu") {
     RunRecorder recorder(farm_records(job.folder), {index, job.shards});
@@ -98,6 +106,10 @@ TEST_F(Farm, AJobIsReadAsItWasWritten) {
   std::ofstream(farm_job_file(job.folder)) << R"({"name": 3})";
   EXPECT_EQ(read_farm_job(job.folder).error().kind, ErrorKind::input);
   EXPECT_EQ(read_farm_job(folder).error().kind, ErrorKind::usage);
+  // As many shards as nobody has frames for are refused before anything is made for them.
+  job.frames = "0-9", job.shards = 1'000'000'000;
+  std::ofstream(farm_job_file(job.folder)) << farm_job_json(job);
+  EXPECT_EQ(read_farm_job(job.folder).error().kind, ErrorKind::input);
 }
 
 TEST_F(Farm, CountsWhatIsThereByWhatFilesSayThatTheyHold) {
@@ -112,14 +124,22 @@ TEST_F(Farm, CountsWhatIsThereByWhatFilesSayThatTheyHold) {
   fs::remove(job.files(5)[0]);
   state = look_at_farm(job, {});
   EXPECT_EQ(state->done, 8u);
-  EXPECT_EQ(state->missing, 2u);
+  EXPECT_EQ(state->missing, 1u);
+  EXPECT_EQ(state->damaged, 1u) << "of another device";
+  EXPECT_EQ(state->shards[1].damaged, std::vector<int64_t>{4});
   EXPECT_EQ(state->shards[1].missing, std::vector<int64_t>{4});
   EXPECT_EQ(state->shards[2].missing, std::vector<int64_t>{5});
   record(2, 4);
   state = look_at_farm(job, {});
   EXPECT_EQ(state->shards[1].stage, ShardStage::failed);
-  EXPECT_EQ(state->failed, 1u);
-  EXPECT_EQ(state->missing, 1u);
+  EXPECT_EQ(state->failed, 0u);
+  EXPECT_EQ(state->damaged, 1u);
+  fs::remove(job.files(4)[0]);
+  EXPECT_EQ(look_at_farm(job, {})->failed, 1u);
+  put(4, "another");
+  fs::resize_file(job.files(6)[0], fs::file_size(job.files(6)[0]) - 1);
+  EXPECT_EQ(look_at_farm(job, {})->damaged, 2u) << "a shorter file";
+  put(6, "gpu");
   record(3, std::nullopt);
   EXPECT_EQ(look_at_farm(job, {})->shards[2].stage, ShardStage::running);
   EXPECT_EQ(look_at_farm(job, {.lost_after_s = 0})->shards[2].stage, ShardStage::failed);

@@ -6,7 +6,7 @@
 namespace candela {
 namespace {
 
-using Frames = std::vector<int64_t>;
+using Frames = FrameList;
 
 TEST(FrameList, ReadsWhatTheFieldWrites) {
   EXPECT_EQ(parse_frame_list("7").value(), (Frames{7}));
@@ -21,6 +21,17 @@ TEST(FrameList, ReadsWhatTheFieldWrites) {
 
 TEST(FrameList, KeepsTheOrderWrittenWithoutDuplicates) {
   EXPECT_EQ(parse_frame_list("9,1-3,2,9").value(), (Frames{9, 1, 2, 3}));
+}
+
+TEST(FrameList, RangesThatMeet) {
+  EXPECT_EQ(parse_frame_list("0-8x2,0-8").value(), (Frames{0, 2, 4, 6, 8, 1, 3, 5, 7}));
+  EXPECT_EQ(parse_frame_list("0-3,2-5,1").value(), (Frames{0, 1, 2, 3, 4, 5}));
+  EXPECT_EQ(parse_frame_list("5,1,7,9,11,7").value(), (Frames{5, 1, 7, 9, 11}));
+  const Frames many = parse_frame_list("0-9999999").value();
+  EXPECT_EQ(many.size(), 10'000'000u);
+  EXPECT_EQ(many.every(3, 1)[1], 4);
+  EXPECT_EQ(many.every(3, 1).place_of(4), 1u);
+  EXPECT_FALSE(many.every(3, 1).contains(5));
 }
 
 TEST(FrameList, RefusesSlips) {
@@ -99,6 +110,17 @@ TEST(FramePattern, NumbersWithBracesAndDollars) {
   EXPECT_EQ(parse_pattern("{{a}}.exr")->name(7), "{a}.exr");
   EXPECT_EQ(parse_pattern("{camera}-####.exr")->name(7, "100%{x}"), "100%{x}-0007.exr");
   EXPECT_TRUE(parse_pattern("{camera}.exr")->by_camera);
+}
+
+TEST(FramePattern, TellsTheFrameOfAName) {
+  const FramePattern pattern = *parse_pattern("a/./b%04d.png");
+  EXPECT_EQ(pattern.frame_of("a/b0007.png"), 7);
+  EXPECT_EQ(pattern.frame_of("a/b12345.png"), 12345);
+  for (const char* other : {"a/b7.png", "a/b0007.exr", "b0007.png", "a/b00x7.png", "a/b.png"})
+    EXPECT_FALSE(pattern.frame_of(other)) << other;
+  EXPECT_TRUE(may_share_names(*parse_pattern("a/%04d.png"), *parse_pattern("a/1%03d.png")));
+  EXPECT_FALSE(may_share_names(*parse_pattern("a/%04d.png"), *parse_pattern("a/%04d.exr")));
+  EXPECT_FALSE(may_share_names(*parse_pattern("a/%04d.png"), *parse_pattern("b/%04d.png")));
 }
 
 TEST(Shard, EveryFrameBelongsToExactlyOne) {

@@ -159,7 +159,9 @@ TEST(Sequence, TracesFramesAsTheyRun) {
     EXPECT_LT(spans["frame"][i].first, spans["frame"][i].second) << i;
     EXPECT_GE(spans["frame"][i].first, spans["record and submit"][i].first) << i;
     EXPECT_LT(spans["frame"][i].first, spans["wait"][i].second) << i;
-    if (i > 0) EXPECT_GE(spans["frame"][i].first, spans["frame"][i - 1].second) << i;
+    if (i > 0) {
+      EXPECT_GE(spans["frame"][i].first, spans["frame"][i - 1].second) << i;
+    }
   }
 }
 

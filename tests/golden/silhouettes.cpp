@@ -78,7 +78,7 @@ Expected<std::vector<bool>> our_coverage(const Row& row, int width, int height) 
   job.camera.yfov_deg = 45;
   job.width_px = width;
   job.height_px = height;
-  const auto session = Session::open(job, {true, false, 8}, {"cpu", true, "", false, 600});
+  const auto session = Session::open(job, {true, false, 8}, {.device = "cpu", .validate = true});
   if (!session) return std::unexpected(session.error());
   const auto frame = (*session)->render(0);
   if (!frame) return std::unexpected(frame.error());

@@ -12,8 +12,8 @@ struct ReflectingTexel {
 #endif
 };
 
-// plane_normal: the triangle's, on the viewer's side. rounded_normal, rounded_point: those that openness is asked about,
-// as lib/rounded.glsl has them.
+// plane_normal: the triangle's, on the viewer's side. rounded_normal, rounded_point: openness is asked about these, as
+// lib/rounded.glsl has them.
 ReflectingTexel reflecting_texel(Surface s, bool is_unlit, vec3 position, vec3 plane_normal, vec3 rounded_point,
                                  vec3 rounded_normal, vec3 to_viewer) {
   Reflecting r;

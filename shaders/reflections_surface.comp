@@ -45,7 +45,10 @@ void main() {
     const vec3 to_viewer = keyed_direction_to_viewer();
     const Surface s = load_surface(k.material, keyed_varyings(k), is_front(k) ? 1.0 : -1.0, to_viewer);
     const vec3 plane_normal = keyed_plane_normal(k, to_viewer);
-    texel = reflecting_texel(s, (k.batch.flags & batch_unlit) != 0u, k.at.position, plane_normal, to_viewer);
+    vec3 rounded_normal = plane_normal, rounded_point = k.at.position;
+    round_off(k.item, k.geometry, k.corners, k.at, rounded_normal, rounded_point);
+    texel = reflecting_texel(s, (k.batch.flags & batch_unlit) != 0u, k.at.position, plane_normal, rounded_point,
+        rounded_normal, to_viewer);
   }
   imageStore(storage_images[place_of(0u)], ivec2(pixel), vec4(z));
   imageStore(storage_uint_images[place_of(1u)], ivec2(pixel), texel.surface);

@@ -32,7 +32,10 @@ void main() {
   const vec3 plane_normal = triangle_normal(v.relative_position, to_viewer);
   const Surface s = load_surface(m, v, gl_FrontFacing ? 1.0 : -1.0, to_viewer);
   if (IS_MASKED != 0 && surface_coverage(m, s.alpha) == 0.0) discard;
-  const ReflectingTexel texel = reflecting_texel(s, IS_UNLIT != 0, v.relative_position, plane_normal, to_viewer);
+  vec3 rounded_normal = plane_normal, rounded_point = v.relative_position;
+  round_off(rounded_normal, rounded_point);
+  const ReflectingTexel texel = reflecting_texel(s, IS_UNLIT != 0, v.relative_position, plane_normal, rounded_point,
+      rounded_normal, to_viewer);
   out_surface = texel.surface;
   out_reflectance = texel.reflectance;
   out_sky = texel.sky;

@@ -1,15 +1,15 @@
 #pragma once
 // Light that fog scatters once into a ray of the camera, slice by slice. In each slice the medium's part is exact: the
 // integral of density and transmittance. What light arrives there is taken at one point, but for two things: the maps
-// of suns are asked at four points (fog_sun_over), and the inverse square of lamps is its mean over the slice, which
+// of suns are asked at several points (fog_sun_over), and the inverse square of lamps is its mean over the slice, which
 // has a closed form (the integral of 1/d2 along a line is an angle over the line's distance from the lamp); the point
 // is the one in the middle of that angle (Kulla and Fajardo, "Importance Sampling Techniques for Path Tracing in
 // Participating Media", 2012). So a lamp's glow is right in slices far thicker than it. Where a slice is opaque the
 // mean is over as much of it as is seen.
 //
 // Needs lib/frame.glsl, lib/fog_ray.glsl, and pc.lights, pc.light_cells, pc.light_entries, pc.light_tiles. With FOG_SUN
-// pc.suns and pc.sun_maps as well, with FOG_LAMP_SHADOWS (points of a slice, at least, at which a lamp's maps are
-// asked) pc.lamps and pc.lamp_maps.
+// (points of a slice at which a sun's maps are asked; with FOG_JITTER one) pc.suns and pc.sun_maps as well, with
+// FOG_LAMP_SHADOWS (points of a slice, at least, at which a lamp's maps are asked) pc.lamps and pc.lamp_maps.
 #include "lib/light_cells.glsl"
 #include "lib/light_data.glsl"
 #include "lib/light_list.glsl"
@@ -51,13 +51,22 @@ float fog_jitter[FOG_RUN];
 const float FOG_SPREAD = 1.5;
 
 #if defined(FOG_SUN) && !defined(FOG_JITTER)
-// Points of a slice at which the maps of a sun are asked: along it, and across to beyond a third of the way to the rays
-// beside. The edge of a shadow that runs along rays goes through few slices and many rays: asked at one point of each
-// slice, haze behind roofs at low sun ends in blotches the size of the grid's cells.
-const int FOG_SUN_POINTS = 4;
-const vec3 fog_sun_points[FOG_SUN_POINTS] =
-    vec3[](vec3(-0.125, -0.375, 0.125), vec3(0.125, 0.375, 0.375), vec3(0.375, -0.125, 0.625),
-        vec3(-0.375, 0.125, 0.875));
+// A point of a slice at which the maps of a sun are asked: across, in distances between rays, and along. The edge of a
+// shadow that runs along rays goes through few slices and many rays: asked at one point of each slice, haze behind
+// roofs at low sun ends in blotches the size of the grid's cells. A net in base 2 of three dimensions, centred
+// (Niederreiter, "Point Sets and Sequences with Small Discrepancy", 1987): each nth part of a slice each way has one of
+// n points, n a power of two. Four have places of their own, which were there first.
+vec3 fog_sun_point(uint i) {
+  if (FOG_SUN == 4) {
+    const vec2 fourths[4] = vec2[](vec2(-0.375, -0.375), vec2(0.125, 0.375), vec2(0.375, -0.125), vec2(-0.375, 0.125));
+    return vec3(fourths[i & 3u], 0.25 * float(i) + 0.125);
+  }
+  uint x = 0u;
+  for (uint bits = i, column = 0x80000000u; bits != 0u; bits >>= 1, column ^= column >> 1)
+    if ((bits & 1u) != 0u) x ^= column;
+  const vec2 across = vec2(uvec2(x, bitfieldReverse(i)) >> 8) * (1.0 / 16777216.0);
+  return vec3(across - 0.5, float(i) / float(FOG_SUN)) + 0.5 / float(FOG_SUN);
+}
 #endif
 
 // Integral of a lamp's inverse square over a stretch of a ray, from a to b metres beyond where the ray passes the lamp
@@ -82,7 +91,8 @@ struct FogWalk {
   uint global;
 };
 
-// Lights of the cells that the ray passes between two distances, in ascending order, all lanes together.
+// Lights of the cells that the ray passes between two distances, in ascending order, all lanes together, with a cap
+// each lane its own.
 FogWalk begin_fog_lights(FogRay ray, float begin_m, float end_m) {
   FogWalk w;
   w.light = no_light;
@@ -150,7 +160,7 @@ bool next_fog_light(inout FogWalk w) {
   if (w.global < frame.grid.global_count) global = fog_global(w.global);
   uint mine = w.mine[0];
   for (uint c = 1u; c < FOG_CELLS; ++c) mine = min(mine, w.mine[c]);
-  w.light = min(subgroupMin(mine), global);
+  w.light = min(frame.grid.cap != 0u ? mine : subgroupMin(mine), global);  // as in next_light
   if (w.light == no_light) return false;
   if (w.light == global) ++w.global;
   for (uint c = 0u; c < FOG_CELLS; ++c) {
@@ -216,13 +226,14 @@ vec3 fog_sun_over(LightRef light, FogRay ray, FogSlice slice, vec3 at, float cel
   return fog_sun_visibility(light, at);
 #else
   vec3 sum = vec3(0.0);
-  for (int i = 0; i < FOG_SUN_POINTS; ++i) {
-    const float along_m = slice.begin_m + fog_sun_points[i].z * slice.wide_m;
+  for (uint i = 0u; i < uint(FOG_SUN); ++i) {
+    const vec3 place = fog_sun_point(i);
+    const float along_m = slice.begin_m + place.z * slice.wide_m;
     const float wide_m = cell * (frame.perspective != 0u ? along_m / ray.along : 1.0);
-    const vec3 across = fog_sun_points[i].x * frame.camera_right + fog_sun_points[i].y * frame.camera_up;
+    const vec3 across = place.x * frame.camera_right + place.y * frame.camera_up;
     sum += fog_sun_visibility(light, ray.origin + ray.direction * along_m + wide_m * across);
   }
-  return sum / float(FOG_SUN_POINTS);
+  return sum / float(FOG_SUN);
 #endif
 }
 #endif

@@ -2,8 +2,9 @@
 // The lights of a shaded point, in ascending order whatever the list: sums come out bit for bit as if every light were
 // walked, for a light outside its range or cone gives exactly zero. All lanes of a subgroup walk the
 // union of their lists, so a light's data is loaded once for all. In a long list, where most lights end before the
-// point, each lane looks for those that reach it first. Needs lib/light_cells.glsl and the addresses pc.lights,
-// pc.light_cells, pc.light_entries, pc.light_tiles.
+// point, each lane looks for those that reach it first. Lists with a cap (lights.cap) lack lights that reach their
+// points: each lane walks its own alone, so that what it gets does not depend on the lanes beside it. Needs
+// lib/light_cells.glsl and the addresses pc.lights, pc.light_cells, pc.light_entries, pc.light_tiles.
 #include "lib/light_data.glsl"
 
 #extension GL_KHR_shader_subgroup_arithmetic : require
@@ -31,12 +32,13 @@ uint light_cell(vec3 relative) {
 }
 
 struct LightWalk {
-  uint light;         // where the walk stands, the same in all lanes
+  uint light;         // where the walk stands, without a cap the same in all lanes
   uint cell;
   uint cursor, end;   // compact: entries left. Bitmask: word, and words
   uint mine;          // compact: this lane's next light. Bitmask: bits left of the word
   uint global;        // compact: place among the lights of every cell
   bool sifts;         // compact: this lane's list is long
+  bool capped;
   vec3 position;
   // Of the frame, read once: a load inside the loop is a load for every light.
   uint mode, words, light_count, global_count;
@@ -55,6 +57,7 @@ LightWalk begin_lights(vec3 relative) {
   w.mine = 0u;
   w.global = 0u;
   w.sifts = false;
+  w.capped = frame.grid.cap != 0u;
   w.position = relative;
   w.mode = frame.grid.mode;
   w.words = frame.grid.words;
@@ -69,8 +72,7 @@ LightWalk begin_lights(vec3 relative) {
     if (w.cell != every_cell) {
       w.cursor = ConstUintsRef(pc.light_cells).u[w.cell];
       w.end = ConstUintsRef(pc.light_cells).u[w.cell + 1u];
-      const uint cap = frame.grid.cap;
-      if (cap != 0u) w.end = min(w.end, w.cursor + cap);
+      if (w.capped) w.end = min(w.end, w.cursor + frame.grid.cap);
       w.mine = w.cursor < w.end ? ConstUintsRef(pc.light_entries).u[w.cursor] : no_light;
       w.sifts = w.end - w.cursor > frame.grid.sift_over;
     }
@@ -125,7 +127,7 @@ bool next_light(inout LightWalk w) {
   }
   uint global = no_light;
   if (w.global < w.global_count) global = global_word(w, w.global);
-  w.light = min(subgroupMin(w.mine), global);
+  w.light = min(w.capped ? w.mine : subgroupMin(w.mine), global);
   if (w.light == global) ++w.global;
   if (w.mine == w.light && w.mine != no_light) {
     ++w.cursor;

@@ -12,8 +12,10 @@ struct ReflectingTexel {
 #endif
 };
 
-// plane_normal: the triangle's, on the viewer's side.
-ReflectingTexel reflecting_texel(Surface s, bool is_unlit, vec3 position, vec3 plane_normal, vec3 to_viewer) {
+// plane_normal: the triangle's, on the viewer's side. rounded_normal, rounded_point: openness is asked about these, as
+// lib/rounded.glsl has them.
+ReflectingTexel reflecting_texel(Surface s, bool is_unlit, vec3 position, vec3 plane_normal, vec3 rounded_point,
+                                 vec3 rounded_normal, vec3 to_viewer) {
   Reflecting r;
   r.normal = to_camera_space(is_unlit ? plane_normal : s.normal);
   r.plane = to_camera_space(plane_normal);
@@ -58,8 +60,9 @@ ReflectingTexel reflecting_texel(Surface s, bool is_unlit, vec3 position, vec3 p
       sky = ambient_lobes(s, brdf, s.normal).specular * (s.occlusion * frame.pre_exposure) * through;
 #endif
       if (HAS_OCCLUSION != 0) {
-        if (HAS_OCCLUSION < 0) begin_rays(position, plane_normal);
-        open = reflected_open(occlusion_open(position, plane_normal, base, to_viewer), base, to_viewer, plane_normal);
+        if (HAS_OCCLUSION < 0) begin_rays(rounded_point, rounded_normal);
+        const Openness o = occlusion_open(rounded_point, rounded_normal, base, to_viewer);
+        open = reflected_open(o, base, to_viewer, rounded_normal);
       }
 #ifdef FOG
       sky *= fog_sky_through_surface(position, s.normal);

@@ -16,7 +16,8 @@ FogView fog_view(Frame& frame, const SceneInputs& scene, const Surfaces& surface
   const bool ambient = frame.facts.environment || frame.request.neutral_light;
   const Look& look = frame.request.look;
   fog.media = int(summed_fog(look));
-  fog.grid = frame.add(FogGrid{}, {scene, lighting.unoccluded(), ambient, fog.media}).light;
+  fog.grid =
+      frame.add(FogGrid{.has_suns = bool(lighting.sun_maps)}, {scene, lighting.unoccluded(), ambient, fog.media}).light;
   const FogKnobs& knobs = frame.knobs.get<FogKnobs>();
   FogMarch march;
   march.shared_knobs = knobs;
@@ -28,7 +29,7 @@ FogView fog_view(Frame& frame, const SceneInputs& scene, const Surfaces& surface
   // Without lamps nothing in a slice is steep.
   const bool lamps = frame.facts.point_lights + frame.facts.spot_lights > 0;
   fog.last = knobs.last == FogKnobs::near_lamps && !lamps ? 0 : knobs.last;
-  fog.lamp_points = knobs.local_shadows;
+  fog.lamp_points = knobs.local_shadows, fog.sun_points = knobs.sun_points;
   // What several media emit is summed with what they scatter.
   const bool sums_light =
       (fog_scatters(look) && (frame.facts.lights() > 0 || ambient)) || (fog.media > 0 && fog_glows(look));

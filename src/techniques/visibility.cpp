@@ -33,7 +33,9 @@ Shaded visibility(Frame& frame, const SceneInputs& scene, const Surfaces& surfac
   ShadeVisible::In in{scene, surfaces.keys, surfaces.deformed, lighting};
   LightRays::In rays{scene, surfaces.keys, surfaces.deformed, lighting};
   rays.lists.occlusion = {};
-  in.lists.records = frame.add(LightRays{.rays = lighting.rays}, rays, instance).records;
+  in.lists.records =
+      frame.add(LightRays{.rays = lighting.rays, .lists_have_a_cap = scene.light_grid.knobs.cap != 0}, rays, instance)
+          .records;
   in.whole = !drawn_over(frame, scene);
   in.draws_sky = frame.facts.environment && !frame.request.sky_hidden;
   const ShadeVisible::Out shaded = frame.add(ShadeVisible{}, in, instance);

@@ -149,6 +149,39 @@ TEST_F(FrameMetaballs, StandBesideInstancesThatTheDevicePoses) {
     }
 }
 
+// In a closed room nothing of the sky is left: reflections take away all that shading lets through as far as the body
+// leaves it open, because they ask about the same point and normal.
+TEST_F(FrameMetaballs, ReflectNothingOfTheSkyInAClosedRoom) {
+  GltfBuilder b = empty_scene();
+  use_materials(b);
+  Json metal = {{"pbrMetallicRoughness", base_color(1, 1, 1)}};
+  metal["pbrMetallicRoughness"]["metallicFactor"] = 1;
+  metal["pbrMetallicRoughness"]["roughnessFactor"] = 0.3;
+  Json black = unlit_material(0, 0, 0);
+  black["doubleSided"] = true;
+  add_body(b, add_material(b, metal), {0, 0, 0}, 0.7);
+  const int wall = add_square_mesh(b, 20, add_material(b, black));
+  for (const glm::dvec3 to : {glm::dvec3(1, 0, 0), {0, 1, 0}, {0, 0, 1}})
+    for (const double side : {-20.0, 20.0})
+      add_node(b, {{"mesh", wall},
+                   {"translation", {side * to.x, side * to.y, side * to.z}},
+                   {"rotation", rotation_between({0, 0, 1}, to)}});
+  Job job = job_of(write(b));
+  job.effects = "reflections,occlusion", job.layers = {"ambient_specular"};
+  job.look = look_file(R"({"reflections": {}, "occlusion": {"radius_m": 1},
+      "sky": {"gradient": {"zenith": 1, "horizon": 1, "ground": 1}}})");
+  for (const char* technique : {"clustered", "visibility"})
+    for (const char* occlusion : {"traced", "rays", "screen"}) {
+      job.technique = technique;
+      job.settings = {{"reflections", "method", "traced"}, {"reflections", "roughest", "1"}};
+      job.settings.insert(job.settings.end(), {{"occlusion", "method", occlusion}, {"occlusion", "rays", "16"}});
+      float most = 0;
+      for (const glm::vec4& v : images_of(job)["ambient_specular"].values<glm::vec4>())
+        most = std::max(most, std::abs(v.x));
+      EXPECT_LT(most, 1e-4f) << technique << " " << occlusion;
+    }
+}
+
 TEST_F(FrameMetaballs, ScenesWithoutThemHoldNothingOfThem) {
   const auto session = open(job_for(scene("skinned"), 32, 24));
   const FrameResult result = render(*session);

@@ -80,10 +80,9 @@ class ReferenceFog : public ReferenceParity {
     return out;
   }
   // Both at side * side samples a pixel, on a grid.
-  static FogPair pair_of(Job job, int fog_steps = 256, int side = 1, bool lamp_shadows = false) {
+  static FogPair pair_of(Job job, int fog_steps = 256, int side = 1, bool shadows = false) {
     job.settings.push_back({"lights", "floor_lux", "0"});
-    job.settings.push_back({"sun", "mode", "off"});
-    if (!lamp_shadows) job.settings.push_back({"local", "lights", "0"});
+    if (!shadows) job.settings.insert(job.settings.end(), {{"sun", "mode", "off"}, {"local", "lights", "0"}});
     job.samples = 1;
     job.layers = {"fog", "fog_transmittance"};
     FogPair out;
@@ -98,7 +97,7 @@ class ReferenceFog : public ReferenceParity {
     EXPECT_TRUE(frame) << (frame ? "" : frame.error().text());
     if (!frame) return out;
     reference::TraceSettings settings;
-    settings.visibility = lamp_shadows;
+    settings.visibility = shadows;
     settings.ambient = reference::Ambient::occlusion;
     settings.fog_steps = fog_steps;
     settings.sampler = {reference::SamplerKind::uniform, side * side, 0};
@@ -197,6 +196,34 @@ TEST_F(ReferenceFog, ShadowsOfLamps) {
   EXPECT_LT(more, usual * 1.01);
   EXPECT_LT(marched, 2e-3);
   EXPECT_GT(shining_through, 10 * usual);
+}
+
+// A low sun behind roofs of many heights: the edges of their shadows run along the rays. The more points of a slice,
+// the nearer to traced light.
+TEST_F(ReferenceFog, ShadowsOfSuns) {
+  GltfBuilder b = empty_scene();
+  const int stone = add_material(b, diffuse_material(0.3, 0.3, 0.3)), house = add_square_mesh(b, 0.5f, stone);
+  const double h = std::sqrt(0.5);
+  add_node(b, {{"mesh", add_square_mesh(b, 12, stone)}, {"translation", {0, -1.5, 0}}, {"rotation", {-h, 0, 0, h}}});
+  for (int k = 0; k < 13; ++k)
+    add_node(b, {{"mesh", house},
+                 {"scale", {0.69, 1.2, 1}},
+                 {"translation", {0.7 * k - 4.2, 0.55 + 0.45 * std::sin(2.3 * k), -6 + 0.8 * std::sin(1.7 * k)}}});
+  add_light(b, {{"type", "directional"}, {"intensity", 3.0}},
+            {{"rotation", rotation_between({0, 0, -1}, {0.06, -0.1, 1})}});
+  Job job = in_fog(write(b), R"({"extinction": [0.05, 0.06, 0.07], "anisotropy": 0.3,
+      "bounds": {"x": [-6, 6], "y": [-2, 3], "z": [-11, 2]}})");
+  job.width_px = 96, job.height_px = 72;
+  look(job, {0, 0.5, 3}, {0, 0.5, -3}, 40);
+  std::vector<double> errors;
+  for (const char* points : {"1", "2", "4", "16"}) {
+    job.settings = {{"fog", "sun_points", points}, {"sun", "size_px", "4096"}};
+    errors.push_back(pair_of(job, 256, 1, true).relmse());
+  }
+  fmt::print("by points: relMSE {:.2e}\n", fmt::join(errors, " "));
+  for (size_t i = 1; i < errors.size(); ++i) EXPECT_LT(errors[i], errors[i - 1]);
+  EXPECT_LT(errors.back(), 0.75 * errors.front());
+  EXPECT_LT(errors.front(), 1e-3);
 }
 
 // A lamp's glow is blurred over the rays of the grid and loses nothing by it, with and without a thing in its light;

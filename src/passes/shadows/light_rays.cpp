@@ -68,6 +68,7 @@ Need LightRays::needed(const SceneFacts& facts, const FrameRequest&) const {
   if (!suns && !lamps) return {false, "no light's shadows are traced (local.method, sun.mode)"};
   if (rays.suns_by_voxels || rays.lamps_by_voxels)
     return {false, "cells of the view know some lights' shadows: shading sends the rays that they leave"};
+  if (lists_have_a_cap) return {false, "lists of lights have a cap (lights.cap): shading sends the rays itself"};
   if ((facts.lobes & shared::lobe_scattering) != 0)
     return {false, "bodies scatter light: rays begin where it enters them, which shading knows"};
   if (!rays.lights_apart) return {false, "shading sends the rays itself (light_rays.apart)"};

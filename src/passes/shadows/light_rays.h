@@ -34,6 +34,7 @@ struct LightRays {
   Out declare(GraphBuilder& builder, const In& in) const;
   void record(CommandList& commands, const In& in, const Out& out) const;
   TracedRays rays;  // of the frame
+  bool lists_have_a_cap = false;
   Knobs knobs;
 };
 

@@ -22,9 +22,9 @@ bool fog_walks(const Lighting& lists) {
   return lists.fog.light == FogLight::march || (lists.fog.light == FogLight::grid && lists.fog.last > 0);
 }
 
-std::string fog_shadows(const Lighting& lists, int lamp_points) {
+std::string fog_shadows(const Lighting& lists, int lamp_points, int sun_points) {
   const bool sun = bool(lists.sun_maps), lamps = lists.lamp_maps && lamp_points > 0;
-  std::string defined = sun ? "#FOG_SUN=1" : "";
+  std::string defined = sun ? fmt::format("#FOG_SUN={}", sun_points) : "";
   if (lamps) defined += fmt::format("#FOG_LAMP_SHADOWS={}", lamp_points);
   const int deep = (sun && lists.deep.suns ? 1 : 0) + (lamps && lists.deep.lamps ? 2 : 0);
   if (deep > 0) defined += fmt::format("#FOG_DEEP_SHADOWS={}", deep);
@@ -38,7 +38,7 @@ std::string with_fog(std::string shader, const Lighting& lists) {
   if (!fog_walks(lists)) return shader;
   if (lists.fog.light == FogLight::grid) shader += fmt::format("#FOG_LAST={}", lists.fog.last);
   if (lists.fog.ambient) shader += "#FOG_AMBIENT=1";
-  return shader + fog_shadows(lists, lists.fog.lamp_points);
+  return shader + fog_shadows(lists, lists.fog.lamp_points, lists.fog.sun_points);
 }
 
 void declare_fog(GraphBuilder& builder, const SceneInputs& scene, const Lighting& lists, bool lights_declared,

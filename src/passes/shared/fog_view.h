@@ -22,6 +22,7 @@ struct FogView {
   int last = 0;          // grid: whether the slice in which a surface stands is summed for itself, as fog.last
   int media = 0;         // whose sum the air is; 0: one, in closed form
   int lamp_points = 0;   // of a slice, at least, at which a lamp's shadow maps are asked; 0: none
+  int sun_points = 1;    // of a slice, at which a sun's shadow maps are asked
   ImageHandle grid;
   explicit operator bool() const { return light != FogLight::no_fog; }
 };
@@ -30,7 +31,7 @@ struct FogView {
 // not specialization constants: a frame without fog compiles the source that it would have without this effect.
 std::string with_fog(std::string shader, const Lighting& lists);
 // The same for the maps of suns and lamps that the light in fog is shadowed by.
-std::string fog_shadows(const Lighting& lists, int lamp_points);
+std::string fog_shadows(const Lighting& lists, int lamp_points, int sun_points);
 // Which shaders read what a shading pass declares.
 struct ReadBy {
   Access buffer = Access::fragment_read, image = Access::sampled_fragment;

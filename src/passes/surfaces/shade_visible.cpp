@@ -11,9 +11,8 @@ Need ShadeVisible::needed(const SceneFacts& facts, const FrameRequest&) const {
 
 namespace {
 // Whether the pixels of a workgroup share the work on all triangles but their first: with four samples that takes
-// 15,364 bytes of shared memory, of which every device has 16,384, and with more it takes more. Lists with a cap are
-// walked by all lanes of a subgroup together, so which pixels these are must not depend on the order of threads.
-bool shares_triangles(const SceneInputs& s) { return s.samples > 1 && s.samples <= 4 && s.light_grid.knobs.cap == 0; }
+// 15,364 bytes of shared memory, of which every device has 16,384, and with more it takes more.
+bool shares_triangles(const SceneInputs& s) { return s.samples > 1 && s.samples <= 4; }
 }  // namespace
 
 ShadeVisible::Out ShadeVisible::declare(GraphBuilder& builder, const In& in) const {

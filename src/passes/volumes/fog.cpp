@@ -34,7 +34,7 @@ FogGrid::Out FogGrid::declare(GraphBuilder& builder, const In& in) const {
   if (in.ambient) shader += "#FOG_AMBIENT=1";
   shader += fmt::format("#FOG_CELLS={}u", most_cells(nodes.z));
   const bool lamps = in.lists.lamp_maps && knobs.local_shadows > 0;
-  shader += fog_shadows(in.lists, knobs.local_shadows);
+  shader += fog_shadows(in.lists, knobs.local_shadows, knobs.sun_points);
   out.scatter = builder.pipeline(ComputePipelineDesc{shader, {}});
   out.sum = builder.pipeline(ComputePipelineDesc{"fog_sum.comp", {}});
   builder.begin_step();

@@ -35,7 +35,9 @@ struct FogGrid {
   Need needed(const SceneFacts& facts, const FrameRequest& request) const;
   Out declare(GraphBuilder& builder, const In& in) const;
   void record(CommandList& commands, const In& in, const Out& out) const;
+  bool ignores(std::string_view knob) const { return knob == "sun_points" && !has_suns; }
   Knobs knobs;
+  bool has_suns = true;  // with shadow maps
 };
 
 }  // namespace candela

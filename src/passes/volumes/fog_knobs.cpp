@@ -92,6 +92,17 @@ std::span<const Knob> FogKnobs::table() {
                       "lights shine through "
                       "everything in the air",
        .sweep = {0, 1, 2, 4}},
+      {.name = "sun_points",
+       .member = &FogKnobs::sun_points,
+       .lowest = 1,
+       .highest = 64,
+       .levels = {1, 4, 4, 16},
+       .description =
+           "points of a slice, along and across it, at which the shadow maps of a sun are asked; with one the "
+           "edges of shadows in the air are blotches the size of a cell; fog.method=march asks at one, "
+           "displaced by noise",
+       .sweep = {1, 2, 4, 16},
+       .only = {1, 2, 4, 8, 16, 32, 64}},
       {.name = "sky_directions",
        .member = &FogKnobs::sky_directions,
        .lowest = 1,

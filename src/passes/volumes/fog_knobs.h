@@ -20,6 +20,7 @@ struct FogKnobs {
   float march_loss = 0.025f;
   int march_px = 2;         // a texel's side
   int local_shadows = 1;    // points of a slice at which a lamp's maps are asked
+  int sun_points = 4;       // of a slice, at which a sun's maps are asked
   int sky_directions = 16;  // of the transmittance before the sky
   static std::span<const Knob> table();
   // FogMedium::nodes in a picture of this size.

@@ -36,7 +36,7 @@ FogMarch::Out FogMarch::declare(GraphBuilder& builder, const In& in) const {
   std::string shader = with_depth("fog_march.comp", in.depth);
   if (in.media > 0) shader += fmt::format("#FOG_MEDIA={}", in.media);
   if (in.ambient) shader += "#FOG_AMBIENT=1";
-  shader += fog_shadows(in.lists, shared_knobs.local_shadows);
+  shader += fog_shadows(in.lists, shared_knobs.local_shadows, 1);  // where the texel's noise says
   out.pipeline = builder.pipeline(ComputePipelineDesc{shader, {{0, "DEPTH_SAMPLES", in.depth ? s.samples : 0}}});
   out.light = builder.write(out.light, Access::storage_image_write);
   return out;

@@ -58,7 +58,7 @@ const float FOG_SPREAD = 1.5;
 // n points, n a power of two. Four have places of their own, which were there first.
 vec3 fog_sun_point(uint i) {
   if (FOG_SUN == 4) {
-    const vec2 fourths[4] = vec2[](vec2(-0.375, -0.375), vec2(0.125, 0.375), vec2(0.375, -0.125), vec2(-0.375, 0.125));
+    const vec2 fourths[4] = vec2[](vec2(-0.125, -0.375), vec2(0.125, 0.375), vec2(0.375, -0.125), vec2(-0.375, 0.125));
     return vec3(fourths[i & 3u], 0.25 * float(i) + 0.125);
   }
   uint x = 0u;

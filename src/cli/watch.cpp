@@ -139,7 +139,7 @@ class Watch {
 
   // What was written before its folder was watched has told nothing: it is looked at once.
   void take_files() {
-    files_.take(files_of(job_, session_->scene(), settings_.shader_folder), begun_);
+    files_.take(files_of(job_, session_->scene(), settings_.shader_folder, begun_), begun_);
     look_once_ = true;
     std::vector<fs::path> watched = files_.files();
     if (job_.look.empty() && o_.job.look.empty())

@@ -18,7 +18,7 @@ void add_once(std::vector<fs::path>& to, const fs::path& file) {
 
 }  // namespace
 
-JobFiles files_of(const Job& job, const Scene& scene, const std::string& shader_folder) {
+JobFiles files_of(const Job& job, const Scene& scene, const std::string& shader_folder, fs::file_time_type begun) {
   JobFiles files{.shader_folder = shader_folder};
   for (const PathRequest& path : job.paths) add_once(files.look, path.points), add_once(files.look, path.times);
   if (!job.look.empty()) {
@@ -40,7 +40,8 @@ JobFiles files_of(const Job& job, const Scene& scene, const std::string& shader_
     if (std::ranges::find(files.look, fs::path(file)) == files.look.end()) add_once(files.scene, file);
   for (const fs::path& file : files_named_by(job.scene)) {
     std::error_code failed;
-    if (!fs::exists(file, failed)) add_once(files.scene, file);
+    const fs::file_time_type written = fs::last_write_time(file, failed);
+    if (failed || written > begun) add_once(files.scene, file);
   }
   return files;
 }

@@ -147,12 +147,16 @@ TEST(Messages, KnobsFitIntoALineAndFloatsAreShort) {
   }
 }
 
-TEST(Messages, AFilmOfOddSidesSaysThatItGrows) {
+TEST(Messages, AFilmOfOddSidesGrowsWhereThatIsAskedForAlone) {
   const TestFolder folder;
-  const Ended ended =
-      candela({"sequence", scene("unlit-box"), "--frames", "0-1", "--video", folder / "a.mp4", "--size", "33x18"});
-  EXPECT_EQ(ended.code, 0) << ended.err;
-  EXPECT_NE(ended.err.find("the film is 34x18"), std::string::npos) << ended.err;
+  Arguments film = {"sequence", scene("unlit-box"), "--frames", "0-1", "--video", folder / "a.mp4", "--size", "33x18"};
+  const Ended refused = candela(film);
+  EXPECT_EQ(refused.code, 2) << refused.err;
+  EXPECT_NE(refused.err.find("take 32x18 or 34x18, --video-pad"), std::string::npos) << refused.err;
+  film.emplace_back("--video-pad");
+  const Ended padded = candela(film);
+  EXPECT_EQ(padded.code, 0) << padded.err;
+  EXPECT_EQ(files_in(folder.path()), Arguments{"a.mp4"});
 }
 
 // The documentation names the channels as files have them.

@@ -79,7 +79,7 @@ TEST(Limits, SmallStacksAndAddressSpaces) {
   const Ended stack = candela_in_shell("ulimit -s 64; exec \"$0\" \"$@\"", render);
   EXPECT_EQ(stack.code, 0) << stack.err;
   fs::remove(folder / "a.png");
-  for (const char* limit : {"300000", "600000"}) {
+  for (const char* limit : {"200000", "300000"}) {
     const Ended small =
         candela_in_shell(std::string("ulimit -c 0; ulimit -v ") + limit + "; exec \"$0\" \"$@\"", render);
     EXPECT_EQ(small.code, 6) << limit << small.err;

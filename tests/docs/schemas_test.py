@@ -178,7 +178,7 @@ class Schemas(unittest.TestCase):
     def test_farm(self):
         self.run_program("farm", "shell", "plaza.glb", *SIZE, "--frames", "0-1", "-o", "farm/%04d.png", "--shards", "2",
                          "--job", "film.farm")
-        self.fits(self.run_program("farm", "status", "film.farm", "--json"), "farm-status")
+        self.fits(self.run_program("farm", "status", "film.farm", "--json", code=1), "farm-status")
 
     def test_version(self):
         self.fits(self.run_program("--version", "--json"), "version")

@@ -19,8 +19,8 @@ struct JobFiles {
   std::vector<std::filesystem::path> look;   // with the sky's images and the files of paths
   std::filesystem::path shader_folder;       // empty: shaders are built in
 };
-// Of a job whose scene was loaded, and what the scene's file names that is not there, or was not when the loading began.
-// Where the look cannot be read now, without what it names.
+// Of a job whose scene was loaded, and what the scene's file names that is not there, or was not when the loading
+// began. Where the look cannot be read now, without what it names.
 JobFiles files_of(const Job& job, const Scene& scene, const std::string& shader_folder,
                   std::filesystem::file_time_type begun);
 

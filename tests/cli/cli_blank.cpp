@@ -149,14 +149,15 @@ TEST(Messages, KnobsFitIntoALineAndFloatsAreShort) {
 
 TEST(Messages, AFilmOfOddSidesGrowsWhereThatIsAskedForAlone) {
   const TestFolder folder;
-  Arguments film = {"sequence", scene("unlit-box"), "--frames", "0-1", "--video", folder / "a.mp4", "--size", "33x18"};
+  std::vector<std::string> film = {"sequence", scene("unlit-box"), "--frames", "0-1",
+                                   "--video",  folder / "a.mp4",   "--size",   "33x18"};
   const Ended refused = candela(film);
   EXPECT_EQ(refused.code, 2) << refused.err;
   EXPECT_NE(refused.err.find("take 32x18 or 34x18, --video-pad"), std::string::npos) << refused.err;
   film.emplace_back("--video-pad");
   const Ended padded = candela(film);
   EXPECT_EQ(padded.code, 0) << padded.err;
-  EXPECT_EQ(files_in(folder.path()), Arguments{"a.mp4"});
+  EXPECT_EQ(files_in(folder.path()), std::vector<std::string>({"a.mp4"}));
 }
 
 // The documentation names the channels as files have them.

@@ -49,9 +49,9 @@ TEXT
   unset APT_CONFIG
 }
 
-# Warnings of other people's sources are theirs to mend: they would hide ours.
 # --- building -------------------------------------------------------------------------------------------------------
 
+# Without warnings: those of other people's sources would hide ours.
 build() {  # SOURCE OPTION...
   local source=$1 folder
   shift

@@ -55,7 +55,7 @@ const float FOG_SPREAD = 1.5;
 // shadow that runs along rays goes through few slices and many rays: asked at one point of each slice, haze behind
 // roofs at low sun ends in blotches the size of the grid's cells. A net in base 2 of three dimensions, centred
 // (Niederreiter, "Point Sets and Sequences with Small Discrepancy", 1987): each nth part of a slice each way has one of
-// n points, n a power of two. Four have places of their own, which were there first.
+// n points, n a power of two. Four, the usual number, are another such set.
 vec3 fog_sun_point(uint i) {
   if (FOG_SUN == 4) {
     const vec2 fourths[4] = vec2[](vec2(-0.125, -0.375), vec2(0.125, 0.375), vec2(0.375, -0.125), vec2(-0.375, 0.125));

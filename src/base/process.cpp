@@ -34,8 +34,7 @@ void end_without_mapped_memory(int) {
 void end_without_addresses(int) {
   constexpr char line[] =
       "error: memory ran out in the driver or in a library: the address space is limited (ulimit -v, a container or "
-      "the "
-      "batch system); raise the limit, or take a smaller --size\n";
+      "the batch system); raise the limit, or take a smaller --size\n";
   [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, line, sizeof line - 1);
   _exit(int(ErrorKind::out_of_memory));
 }

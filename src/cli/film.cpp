@@ -98,8 +98,8 @@ void add_codec_options(CLI::App& command, std::string& codec, bool& pad, std::st
       .add_option(
           "--video-codec", codec,
           "How the film is stored; auto: h264, in .webm vp9; h265 (10 bits); prores (422 HQ, 10 bits) and prores4444 "
-          "(with alpha) in "
-          ".mov or .mkv; ffv1 and png (lossless, with alpha) in .mkv or .mov; vp9 (with alpha) in .webm or .mkv")
+          "(with alpha) in .mov or .mkv; ffv1 and png (lossless, with alpha) in .mkv or .mov; vp9 (with alpha) in "
+          ".webm or .mkv")
       ->capture_default_str()
       ->type_name("NAME");
   command.add_flag("--video-pad", pad,

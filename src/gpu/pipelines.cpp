@@ -190,6 +190,16 @@ Expected<void> Pipelines::compile(std::span<const PipelineDesc> wanted, PrepareT
   return {};
 }
 
+VkShaderModule Pipelines::make_module(std::span<const uint32_t> spirv, const std::string& file) const {
+  VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+  info.codeSize = spirv.size_bytes();
+  info.pCode = spirv.data();
+  VkShaderModule module = VK_NULL_HANDLE;
+  VK_CHECK(vkCreateShaderModule(device_.handle(), &info, nullptr, &module));
+  device_.set_name(VK_OBJECT_TYPE_SHADER_MODULE, uint64_t(module), file);
+  return module;
+}
+
 void Pipelines::make_modules(std::span<const PipelineDesc> wanted) {
   for (const PipelineDesc& desc : wanted)
     for (const std::string& file : shaders_of(desc)) {
@@ -198,11 +208,7 @@ void Pipelines::make_modules(std::span<const PipelineDesc> wanted) {
       // not known (docs/building/decisions.md).
       const auto* drawing = std::get_if<GraphicsPipelineDesc>(&desc);
       if (shader.module || (specializes_ && !(drawing && file == drawing->vertex_shader))) continue;
-      VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-      info.codeSize = shader.spirv.size() * 4;
-      info.pCode = shader.spirv.data();
-      VK_CHECK(vkCreateShaderModule(device_.handle(), &info, nullptr, &shader.module));
-      device_.set_name(VK_OBJECT_TYPE_SHADER_MODULE, uint64_t(shader.module), file);
+      shader.module = make_module(shader.spirv, file);
     }
 }
 
@@ -262,13 +268,8 @@ Pipelines::Module Pipelines::module(const std::string& file, const std::vector<S
   Module made;
   made.handle = shader.module;
   if (made.handle) return made;
-  const std::vector<uint32_t> code = specialized(shader.spirv, constants);
-  VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-  info.codeSize = code.size() * 4;
-  info.pCode = code.data();
-  VK_CHECK(vkCreateShaderModule(device_.handle(), &info, nullptr, &made.handle));
+  made.handle = make_module(specialized(shader.spirv, constants), file);
   made.owner = device_.handle();
-  device_.set_name(VK_OBJECT_TYPE_SHADER_MODULE, uint64_t(made.handle), file);
   return made;
 }
 Pipelines::Module::~Module() {

@@ -57,6 +57,7 @@ class Pipelines {
     VkDevice owner = nullptr;
   };
   Module module(const std::string& file, const std::vector<SpecConstant>& constants) const;
+  VkShaderModule make_module(std::span<const uint32_t> spirv, const std::string& file) const;
   void load_cache();
   void save_cache();
 

@@ -1,31 +1,17 @@
 #include "gpu/workgroup_size.h"
 
+#include "gpu/spirv.h"
+
 namespace candela::gpu {
 
-namespace {
-// Numbers from the SPIR-V specification 1.6, sections 3.3 (modes), 3.20 (decorations), 3.49 (instructions).
-enum : uint32_t {
-  op_execution_mode = 16,
-  op_execution_mode_id = 331,
-  op_constant = 43,
-  op_constant_composite = 44,
-  op_spec_constant = 50,
-  op_spec_constant_composite = 51,
-  op_decorate = 71,
-  mode_local_size = 17,
-  mode_local_size_id = 38,
-  decoration_spec_id = 1,
-  decoration_builtin = 11,
-  builtin_workgroup_size = 25,
-};
-}  // namespace
+using namespace spirv;
 
 std::array<uint32_t, 3> workgroup_size(std::span<const uint32_t> spirv, std::span<const SpecConstant> constants) {
   std::map<uint32_t, uint32_t> values, spec_ids;           // by result id
   std::map<uint32_t, std::array<uint32_t, 3>> composites;  // ids of the first three members
   std::array<uint32_t, 3> literal{}, ids{};
   uint32_t builtin = 0;
-  for (size_t at = 5; at < spirv.size();) {
+  for (size_t at = header_words; at < spirv.size();) {
     const uint32_t length = spirv[at] >> 16, op = spirv[at] & 0xffff;
     if (length == 0 || at + length > spirv.size()) break;
     const auto word = [&](uint32_t i) { return i < length ? spirv[at + i] : 0; };

@@ -51,6 +51,9 @@ TEST(Specialize, DropsWhatIsNeverReached) {
       if (KIND == 3) v[0] = two(v[0]);
       if (ON && v[1] > 2u) v[1] = one(v[1]); else v[2] = 5u;
       if ((BITS & 4u) != 0u) { if (v[3] > 1u) v[3] = 1u; }
+      bool some = v[5] > 2u;  // one side of && and || is known
+      if (ON && some) v[5] = 9u;
+      if (!ON || some) v[6] = 9u;
     })");
   const auto left = [&](std::vector<SpecConstant> constants) { return count_of(specialized(code, constants)); };
   // main and what it calls; a loop's own branch and those on memory stay.
@@ -59,7 +62,7 @@ TEST(Specialize, DropsWhatIsNeverReached) {
   EXPECT_EQ(none.branches, 0);
   EXPECT_EQ(none.selections, 0);
   EXPECT_EQ(all.functions, 3);
-  EXPECT_EQ(all.branches, 4);
+  EXPECT_EQ(all.branches, 6);
   const Count bits = left({{2, "BITS", 4}});
   EXPECT_EQ(bits.functions, 1);
   EXPECT_EQ(bits.branches, 1);

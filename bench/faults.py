@@ -221,8 +221,9 @@ class Faults:
         for name in ("vkCreateInstance", "vkEnumeratePhysicalDevices", "vkEnumerateDeviceExtensionProperties",
                      "vkGetPhysicalDeviceImageFormatProperties", "vkCreateDevice"):
             for result, code in ((HOST_MEMORY, 6), (INITIALIZATION_FAILED, 4), (INCOMPATIBLE_DRIVER, 4)):
-                last = len(names) - names[::-1].index(name)  # the loader asks too, before the program
-                ended = candela(draw, {**layer, "FAULT_AT": str(last), "FAULT_RESULT": str(result)})
+                # The last one: the loader asks too, before the program.
+                ended = candela(draw, {**layer, "FAULT_NAME": name, "FAULT_AT": str(names.count(name)),
+                                       "FAULT_RESULT": str(result)})
                 tries += 1
                 if ended.returncode != code or "no Vulkan driver found" in ended.stderr:
                     wrong.append({"function": name, "result": result, "exit": ended.returncode, "stderr": ended.stderr[-300:]})
@@ -247,7 +248,9 @@ class Faults:
         if not self.options.layer:
             return {"skipped": "no --layer"}
         scene = textured_scene(self.base, 2048)
-        layer = {"VK_LAYER_PATH": self.options.layer, "VK_INSTANCE_LAYERS": "VK_LAYER_CANDELA_fault"}
+        # Other threads make pipelines meanwhile: only calls of the thread that uploads are counted.
+        layer = {"VK_LAYER_PATH": self.options.layer, "VK_INSTANCE_LAYERS": "VK_LAYER_CANDELA_fault",
+                 "FAULT_FROM": "vkCreateImage"}
 
         def draw(folder, environment):
             to = self.base / folder
@@ -261,9 +264,8 @@ class Faults:
         names_file = self.base / "calls"
         self.check(draw("uploads", {"FAULT_LIST": str(names_file)})[0], 0, "the layer alone")
         names = names_file.read_text().split()
-        first = names.index("vkCreateImage")  # the first image of the process
-        last = names.index("vkResetFences", first)  # staging is full: the texture is uploaded in two parts
-        faults = [(at + 1, names[at], result) for at in range(first, last + 1)
+        last = names.index("vkResetFences")  # staging is full: the texture is uploaded in two parts
+        faults = [(at + 1, names[at], result) for at in range(last + 1)
                   for result in [HOST_MEMORY] + [DEVICE_LOST] * (names[at] in MAY_BE_LOST) +
                   [DEVICE_MEMORY] * (names[at] in DEVICE_TOO)][::step]
         ends = self.side_by_side(lambda fault: (fault, *draw(f"uploads{fault[0]}{fault[2]}", {
@@ -274,7 +276,7 @@ class Faults:
             if ended.returncode != (4 if result == DEVICE_LOST else 6) or "square.gltf: /images/0: " not in ended.stderr:
                 wrong_codes.append({"call": at, "function": name, "result": result, "exit": ended.returncode,
                                     "stderr": ended.stderr[-300:]})
-        return self.result(len(faults), half, 0, calls=last - first + 1, wrong_exit_codes=wrong_codes)
+        return self.result(len(faults), half, 0, calls=last + 1, wrong_exit_codes=wrong_codes)
 
     def writers(self, tries):
         different = lost = 0

@@ -2,6 +2,9 @@
 //   FAULT_AT=N      the N-th such call of the process, from 1; FAULT_RESULT=R the VkResult it gives, and that of every
 //                   call after it where R is VK_ERROR_DEVICE_LOST: a lost device stays lost
 //   FAULT_LIST=FILE the names of all calls, a line each, in the order made
+//   FAULT_NAME=NAME counts, fails and lists only calls of that function
+//   FAULT_FROM=NAME counts, fails and lists only from the first call of that function on, and only calls of the thread
+//                   that made it: where threads work side by side, the N-th call of the process differs between runs
 // One instance and one device at a time.
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
@@ -11,6 +14,7 @@
 #include <cstring>
 #include <mutex>
 #include <string_view>
+#include <thread>
 
 namespace {
 
@@ -34,15 +38,21 @@ VkResult fault(const char* name) {
   static const long at = number("FAULT_AT");
   static const VkResult result = VkResult(number("FAULT_RESULT"));
   static const char* const file = std::getenv("FAULT_LIST");
+  static const char* const only = std::getenv("FAULT_NAME");
+  static const char* const from = std::getenv("FAULT_FROM");
+  static std::thread::id counted;  // the thread that called FAULT_FROM first
   const std::lock_guard hold(mutex);
+  if (from && counted == std::thread::id() && std::strcmp(name, from) == 0) counted = std::this_thread::get_id();
+  const VkResult unchanged = lost && may_be_lost(name) ? VK_ERROR_DEVICE_LOST : VK_SUCCESS;
+  if (from && counted != std::this_thread::get_id()) return unchanged;
+  if (only && std::strcmp(name, only) != 0) return unchanged;
   ++calls;
   if (file)
     if (std::FILE* list = std::fopen(file, calls == 1 ? "w" : "a")) {
       std::fprintf(list, "%s\n", name);
       std::fclose(list);
     }
-  if (lost && may_be_lost(name)) return VK_ERROR_DEVICE_LOST;
-  if (at != calls) return VK_SUCCESS;
+  if (unchanged != VK_SUCCESS || at != calls) return unchanged;
   lost = result == VK_ERROR_DEVICE_LOST;
   std::fprintf(stderr, "fault: %s gives %d\n", name, int(result));
   return result;

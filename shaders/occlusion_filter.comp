@@ -27,6 +27,10 @@ struct Target {
   vec2 bright;  // of all the sky, and of what is open
   float weights;
 };
+// Of a texel's last two numbers.
+vec2 bright_of(vec4 texel) {
+  return sky_has_lights() ? vec2(texel.z, texel.z * unpack_open(texel.w).x) : texel.zw;
+}
 Target targets[4];
 ivec2 first;
 
@@ -54,7 +58,7 @@ void take(int x, int y) {
   const vec4 o = texelFetch(pass_images[pc.open], other, 0);
   if (!(o.y > 0.0)) return;
   const Tap tap = Tap(occlusion_point(other, o.y, SHAPE, pc.subsample_ndc),
-      unpack_normal(texelFetch(pass_uint_images[pc.normals], other, 0).r), unpack_open(o.x), o.zw);
+      unpack_normal(texelFetch(pass_uint_images[pc.normals], other, 0).r), unpack_open(o.x), bright_of(o));
   add(targets[0], tap, x, y);
   if (BLOCK == 1) return;
   add(targets[1], tap, x - 1, y);
@@ -91,9 +95,15 @@ void main() {
     if (any(greaterThanEqual(texel, ivec2(pc.texels)))) continue;
     const vec4 middle = targets[i].middle;
     const float weights = targets[i].weights;
-    const bool known = middle.y > 0.0 && weights > 0.0;
-    imageStore(storage_images[pc.smooth_open], texel,
-        vec4(known ? pack_open(targets[i].open.x / weights, targets[i].open.y / weights) : middle.x, middle.y,
-            known ? targets[i].bright / weights : middle.zw));
+    if (!(middle.y > 0.0 && weights > 0.0)) {
+      imageStore(storage_images[pc.smooth_open], texel, middle);
+      continue;
+    }
+    const vec2 open = targets[i].open / weights;
+    vec2 bright = targets[i].bright / weights;
+    // Whether reflected bright spots are open is not averaged: at edges, where they would leak, it changes at once.
+    if (sky_has_lights())
+      bright.y = pack_open(open_diffuse(open.x, bright.x, bright.y), unpack_open(middle.w).y);
+    imageStore(storage_images[pc.smooth_open], texel, vec4(pack_open(open.x, open.y), middle.y, bright));
   }
 }

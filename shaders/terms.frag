@@ -109,12 +109,13 @@ void main() {
   out_emission = covering(IS_UNLIT != 0 ? s.base_color : s.emission, coverage);
 #endif
 #if defined(AMBIENT_DIFFUSE) || defined(AMBIENT_SPECULAR)
-  AmbientLobes ambient = AmbientLobes(vec3(0.0), vec3(0.0));
+  AmbientLobes ambient = AmbientLobes(vec3(0.0), vec3(0.0), vec3(0.0));
   if (HAS_AMBIENT != 0 && IS_UNLIT == 0) {
     shade_probes(s, brdf, v.relative_position);
     ambient = HAS_OCCLUSION != 0
         ? occluded_lobes(s, brdf, occlusion_open(surface_point, plane_normal, s, brdf.to_viewer), plane_normal)
         : ambient_lobes(s, brdf, s.normal);
+    ambient.specular += ambient.lights;
   }
 #ifdef FOG
   if (HAS_AMBIENT != 0 && IS_UNLIT == 0) {

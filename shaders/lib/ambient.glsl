@@ -24,6 +24,7 @@ vec3 specular_albedo(Surface s, float n_v) {
 // By the lobes that reflect it, without the material's occlusion. Of the sky.
 struct AmbientLobes {
   vec3 diffuse, specular;
+  vec3 lights;  // reflections of its bright spots, where these are lights of their own: not in `specular`
 };
 // facing: the direction about which diffuse light is gathered; the normal where nothing is hidden.
 AmbientLobes whole_sky_lobes(Surface s, BrdfTerms b, vec3 facing) {
@@ -36,7 +37,8 @@ AmbientLobes whole_sky_lobes(Surface s, BrdfTerms b, vec3 facing) {
 #endif
   if (IBL_METHOD == ibl_sampled) {
     const SkyLobes sampled = sampled_sky(in_image, in_sky(facing), s.roughness);
-    return AmbientLobes(sampled.diffuse * frame.sky_intensity, sampled.specular * frame.sky_intensity);
+    return AmbientLobes(sampled.diffuse * frame.sky_intensity, sampled.specular * frame.sky_intensity,
+        sampled.lights * frame.sky_intensity);
   }
   const vec3 albedo = specular_albedo(s, clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0));
   const float diffuse_left = 1.0 - (b.f0_max + (b.f90_max - b.f0_max) * albedo.z);
@@ -56,7 +58,7 @@ AmbientLobes whole_sky_lobes(Surface s, BrdfTerms b, vec3 facing) {
 #else
   const vec3 diffuse = s.base_color * diffuse_left * (1.0 - s.metallic) * around;
 #endif
-  vec3 specular = b.f0 * albedo.x + b.f90 * albedo.y;
+  vec3 specular = b.f0 * albedo.x + b.f90 * albedo.y, lights = vec3(0.0);
 #ifdef LOBED
   const vec3 mirrored = reflect(-b.to_viewer, s.lobes.mirroring);
 #else
@@ -73,23 +75,26 @@ AmbientLobes whole_sky_lobes(Surface s, BrdfTerms b, vec3 facing) {
     if (MIRROR_TAPS != 0 && sharp > 0.0)
       sky += sharp * mirrored_sky(in_sky(mirrored), in_sky(mirror_across), in_sky(mirror_down), b.alpha);
     specular *= sky;
-    specular += sky_lights(in_image, lobe.y);
     specular *= frame.sky_intensity;
+    lights = sky_lights(in_image, lobe.y) * frame.sky_intensity;
   } else {
     specular *= ambient_radiance(mirrored);
   }
-  return AmbientLobes(diffuse, specular);
+  return AmbientLobes(diffuse, specular, lights);
 }
 #ifndef LOBED
 // Without what probes give instead (shade_probes() goes before).
 AmbientLobes ambient_lobes(Surface s, BrdfTerms b, vec3 facing) {
   AmbientLobes lobes = whole_sky_lobes(s, b, facing);
-  if (PROBE_COUNT != 0) lobes.specular *= probes.left;
+  if (PROBE_COUNT != 0) {
+    lobes.specular *= probes.left;
+    lobes.lights *= probes.left;
+  }
   return lobes;
 }
 vec3 ambient_light(Surface s, BrdfTerms b) {
   const AmbientLobes lobes = ambient_lobes(s, b, s.normal);
-  return (lobes.diffuse + lobes.specular) * s.occlusion;
+  return (lobes.diffuse + (lobes.specular + lobes.lights)) * s.occlusion;
 }
 #endif
 // What is left of the lobes where a fraction `open` of the sky's diffuse light arrives. Reflections by Lagarde and de
@@ -130,16 +135,20 @@ float reflected_open(Openness o, Surface s, vec3 v, vec3 plane_normal) {
   const vec3 bent = bent_about(s.normal, o.bent, plane_normal);
   return clamp(open * open_by_leaning(bent, o.fraction, s.normal, v, s.roughness), 0.0, 1.0);
 }
+// The same of its bright spots.
+float reflected_lights_open(Openness o, float of_rest) { return o.lights >= 0.0 ? o.lights : of_rest; }
 #ifdef LOBED
 #include "lib/lobes_ambient.glsl"
 #else
 AmbientLobes occluded_lobes(Surface s, BrdfTerms b, Openness o, vec3 plane_normal) {
   const vec3 facing = OCCLUSION_IS_BENT ? bent_about(s.normal, o.bent, plane_normal) : s.normal;
+  sky_lights_plane = plane_normal;
   const AmbientLobes lobes = ambient_lobes(s, b, facing);
-  return AmbientLobes(lobes.diffuse * o.diffuse, lobes.specular * reflected_open(o, s, b.to_viewer, plane_normal));
+  const float open = reflected_open(o, s, b.to_viewer, plane_normal);
+  return AmbientLobes(lobes.diffuse * o.diffuse, lobes.specular * open, lobes.lights * reflected_lights_open(o, open));
 }
 vec3 occluded_ambient_light(Surface s, BrdfTerms b, Openness o, vec3 plane_normal) {
   const AmbientLobes lobes = occluded_lobes(s, b, o, plane_normal);
-  return (lobes.diffuse + lobes.specular) * s.occlusion;
+  return (lobes.diffuse + (lobes.specular + lobes.lights)) * s.occlusion;
 }
 #endif

@@ -20,14 +20,18 @@ vec2 lobe_shape(uint lobe_texture, uint clamp_sampler, float roughness, float n_
 float share_of_lights(float slice) {
   return clamp((slice - float(sky_lights_after)) / float(sky_lights_from - sky_lights_after), 0.0, 1.0);
 }
+// Of the triangle, on the viewer's side, in the world's axes, where it is known: bright spots below it are hidden. 0: not
+// known.
+vec3 sky_lights_plane = vec3(0.0);
 vec3 sky_lights(BrdfTerms b, float slice) {
   const float fraction = share_of_lights(slice);
   vec3 sum = vec3(0.0);
   if (fraction == 0.0) return sum;
+  const vec3 plane = in_sky(sky_lights_plane);
   for (uint i = 0u; i < frame.image_light.light_count; ++i) {
     const SkyLight light = SkyLightsRef(frame.image_light.lights).s[i];
     const float n_l = dot(b.normal, light.direction);
-    if (n_l <= 0.0) continue;
+    if (n_l <= 0.0 || dot(plane, light.direction) < 0.0) continue;
     vec3 h = light.direction + b.to_viewer;
     float h_h = dot(h, h), v_h = 0.5 * sqrt(h_h);
     if (!(h_h > 1e-8)) {
@@ -80,6 +84,7 @@ float mirror_share(float slice) {
 
 struct SkyLobes {
   vec3 diffuse, specular;
+  vec3 lights;  // reflections of bright spots that are lights of their own
 };
 // The lobe times the cosine to light over the density of seen facets about unit h, in the surface's axes: theirs, or
 // Blinn's.
@@ -104,7 +109,7 @@ SkyLobes sampled_sky(BrdfTerms b, vec3 facing, float roughness) {
   const float g1 = 2.0 * v.z / (v.z + sqrt(v.z * v.z * (1.0 - b.alpha2) + b.alpha2));
   const uint count = frame.image_light.pixel_samples;
   const float slice = slice_of_roughness(roughness), fraction = share_of_lights(slice);
-  SkyLobes sum = SkyLobes(vec3(0.0), vec3(0.0));
+  SkyLobes sum = SkyLobes(vec3(0.0), vec3(0.0), vec3(0.0));
   for (uint i = 0u; i < count; ++i) {
     const float u = (float(i) + 0.5) / float(count), phi = 2.0 * PI * float(bitfieldReverse(i)) * (1.0 / 4294967296.0);
     const vec2 disc = sqrt(u) * vec2(cos(phi), sin(phi));
@@ -138,7 +143,7 @@ SkyLobes sampled_sky(BrdfTerms b, vec3 facing, float roughness) {
     const float left = 1.0 - (b.f0_max + (b.f90_max - b.f0_max) * dx2 * dx2 * dx);
     if (n_l > 0.0) sum.diffuse += b.diffuse * light.illuminance * (left * n_l);
   }
-  sum.specular += sky_lights(b, slice);
+  sum.lights = sky_lights(b, slice);
   return sum;
 }
 #endif

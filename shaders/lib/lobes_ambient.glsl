@@ -8,10 +8,11 @@
 // as round ones of the mean width, sheen by its albedo and the light about the normal. The coat reflects as the base
 // does, by its own normal and roughness.
 
-AmbientLobes layered_lobes(Surface s, BrdfTerms b, AmbientLobes base, vec3 coat, float open) {
+// coat: its specular and lights.
+AmbientLobes layered_lobes(Surface s, BrdfTerms b, AmbientLobes base, AmbientLobes coat, float open) {
   const BrdfLobes o = b.lobes;
   const float under = (1.0 - o.sheen_takes) * (1.0 - o.coat_takes);
-  AmbientLobes lobes = AmbientLobes(base.diffuse * under, base.specular * under);
+  AmbientLobes lobes = AmbientLobes(base.diffuse * under, base.specular * under, base.lights * under);
   if (HAS_SHEEN && o.sheen != vec3(0.0)) {
     vec3 light;
     if (IBL_METHOD == 0) {
@@ -24,16 +25,24 @@ AmbientLobes layered_lobes(Surface s, BrdfTerms b, AmbientLobes base, vec3 coat,
     }
     lobes.specular += o.sheen * (light * open);
   }
-  if (HAS_COAT) lobes.specular += coat;
+  if (HAS_COAT) {
+    lobes.specular += coat.specular;
+    lobes.lights += coat.lights;
+  }
   return lobes;
 }
-vec3 coat_of_sky(Surface s, BrdfTerms b) {
-  if (!HAS_COAT || b.lobes.coat_takes == 0.0) return vec3(0.0);
+AmbientLobes coat_of_sky(Surface s, BrdfTerms b) {
+  if (!HAS_COAT || b.lobes.coat_takes == 0.0) return AmbientLobes(vec3(0.0), vec3(0.0), vec3(0.0));
   const Surface coat = coat_surface(s);
-  return whole_sky_lobes(coat, coat_terms(b), coat.normal).specular * (PROBE_COUNT != 0 ? probes.left : 1.0);
+  AmbientLobes lobes = whole_sky_lobes(coat, coat_terms(b), coat.normal);
+  if (PROBE_COUNT != 0) {
+    lobes.specular *= probes.left;
+    lobes.lights *= probes.left;
+  }
+  return lobes;
 }
 // Of the sky through stretched facets, in its own axes, by directions that the viewer's visible normals give (Heitz
-// 2018). Bright spots are lights.
+// 2018). Without bright spots, which are lights.
 vec3 stretched_sky(BrdfTerms b) {
   const uint count = frame.image_light.pixel_samples;
   const mat3 axes = mat3(b.lobes.tangent, b.lobes.bitangent, b.normal);
@@ -48,7 +57,7 @@ vec3 stretched_sky(BrdfTerms b) {
     const float slice = max(slice_of_roughness(sqrt(min(round_alpha, 1.0))), float(sky_lights_from));
     sum += base_fresnel(b, facet.v_h).specular * facet.uncovered * filtered_sky(axes * facet.l, slice);
   }
-  return sum / float(count) + sky_lights(b, float(sky_lights_from));
+  return sum / float(count);
 }
 BrdfTerms turned_to_sky(BrdfTerms b) {
   b.normal = in_sky(b.normal);
@@ -67,10 +76,15 @@ AmbientLobes base_of_sky(Surface s, BrdfTerms b, vec3 facing) {
       const vec2 albedo = split_sum(round.roughness, clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0)).xy;
       lobes.specular /= (1.0 + facets_further_bounces(s, b)) * (albedo.x + albedo.y);
     } else {
-      lobes.specular = frame.sky_intensity * stretched_sky(turned_to_sky(b));
+      const BrdfTerms in_image = turned_to_sky(b);
+      lobes.specular = frame.sky_intensity * stretched_sky(in_image);
+      lobes.lights = frame.sky_intensity * sky_lights(in_image, float(sky_lights_from));
     }
   }
-  if (PROBE_COUNT != 0) lobes.specular *= probes.left;
+  if (PROBE_COUNT != 0) {
+    lobes.specular *= probes.left;
+    lobes.lights *= probes.left;
+  }
   return lobes;
 }
 
@@ -84,13 +98,18 @@ vec3 ambient_light(Surface s, BrdfTerms b) {
 }
 AmbientLobes occluded_lobes(Surface s, BrdfTerms b, Openness o, vec3 plane_normal) {
   const vec3 facing = OCCLUSION_IS_BENT ? bent_about(s.normal, o.bent, plane_normal) : s.normal;
+  sky_lights_plane = plane_normal;
   AmbientLobes base = base_of_sky(s, b, facing);
   base.diffuse *= o.diffuse;
-  base.specular *= reflected_open(o, with_round_facets(s), b.to_viewer, plane_normal);
-  vec3 coat = coat_of_sky(s, b);
+  const float of_base = reflected_open(o, with_round_facets(s), b.to_viewer, plane_normal);
+  base.specular *= of_base;
+  base.lights *= reflected_lights_open(o, of_base);
+  AmbientLobes coat = coat_of_sky(s, b);
   if (HAS_COAT) {
     o.lobe = -1.0;  // the base's
-    coat *= reflected_open(o, coat_surface(s), b.to_viewer, plane_normal);
+    const float of_coat = reflected_open(o, coat_surface(s), b.to_viewer, plane_normal);
+    coat.specular *= of_coat;
+    coat.lights *= reflected_lights_open(o, of_coat);
   }
   return layered_lobes(s, b, base, coat, o.fraction);
 }

@@ -81,7 +81,7 @@ SkyLobes sampled_sky(BrdfTerms b, vec3 facing, float roughness) {
   const vec3 v = facets.v;
   const uint count = frame.image_light.pixel_samples;
   const float slice = slice_of_roughness(roughness), fraction = share_of_lights(slice);
-  SkyLobes sum = SkyLobes(vec3(0.0), vec3(0.0));
+  SkyLobes sum = SkyLobes(vec3(0.0), vec3(0.0), vec3(0.0));
   for (uint i = 0u; i < count; ++i) {
     const float u = (float(i) + 0.5) / float(count), phi = 2.0 * PI * float(bitfieldReverse(i)) * (1.0 / 4294967296.0);
     const vec2 disc = sqrt(u) * vec2(cos(phi), sin(phi));
@@ -112,6 +112,6 @@ SkyLobes sampled_sky(BrdfTerms b, vec3 facing, float roughness) {
     if (n_l > 0.0) sum.diffuse += b.diffuse * light.illuminance * (left * n_l);
     if (HAS_PASSING && n_l < 0.0) sum.diffuse += b.lobes.passing * light.illuminance * (left * -n_l);
   }
-  sum.specular += sky_lights(b, slice);
+  sum.lights = sky_lights(b, slice);
   return sum;
 }

@@ -27,7 +27,7 @@ Openness occlusion_open(vec3 relative, vec3 plane_normal) {
   const vec2 f = at - vec2(corner);
   const bool by_rays = OCCLUSION_BY_RAYS(HAS_OCCLUSION) != 0;
   float sum = 0.0, weights = 0.0;
-  float mirror = 0.0;
+  float mirror = 0.0, lights = 0.0;
   vec2 bright = vec2(0.0);  // of all the sky, and of what is open
   vec3 bent = vec3(0.0);
   for (int i = 0; i < 4; ++i) {
@@ -42,13 +42,22 @@ Openness occlusion_open(vec3 relative, vec3 plane_normal) {
     mirror += w * both.y;
     weights += w;
     if (OCCLUSION_IS_BENT) bent += w * tap.x * normal_at_place(tap.zw);
-    if (by_rays) bright += w * tap.zw;
+    if (!by_rays) continue;
+    if (sky_has_lights()) {
+      const vec2 of_lights = unpack_open(tap.w);
+      bright += w * tap.z * vec2(1.0, of_lights.x);
+      lights += w * of_lights.y;
+    } else {
+      bright += w * tap.zw;
+    }
   }
   if (weights > 1e-3) {
     const float fraction = sum == weights ? 1.0 : clamp(sum / weights, 0.0, 1.0);
     return Openness(fraction, by_rays ? open_diffuse(fraction, bright.x, bright.y) : fraction,
-        by_rays ? clamp(mirror / weights, 0.0, 1.0) : -1.0, -1.0, bent_in_world(bent, plane_normal));
+        by_rays ? clamp(mirror / weights, 0.0, 1.0) : -1.0, -1.0,
+        by_rays && sky_has_lights() ? lights * lights / (weights * weights) : -1.0, bent_in_world(bent, plane_normal));
   }
+  lights = -1.0;
   float least = 3e38, open = by_rays ? pack_open(1.0, 1.0) : 1.0;
   for (int y = -1; y <= 2; ++y)
     for (int x = -1; x <= 2; ++x) {
@@ -62,9 +71,13 @@ Openness occlusion_open(vec3 relative, vec3 plane_normal) {
       open = tap.x;
       if (OCCLUSION_IS_BENT) bent = normal_at_place(tap.zw);
       bright = tap.zw;
+      if (!by_rays || !sky_has_lights()) continue;
+      const vec2 of_lights = unpack_open(tap.w);
+      bright.y = tap.z * of_lights.x;
+      lights = of_lights.y;
     }
   const vec2 both = by_rays ? unpack_open(open) : vec2(clamp(open, 0.0, 1.0), -1.0);
-  return Openness(both.x, by_rays ? open_diffuse(both.x, bright.x, bright.y) : both.x, both.y, -1.0,
+  return Openness(both.x, by_rays ? open_diffuse(both.x, bright.x, bright.y) : both.x, both.y, -1.0, lights,
       bent_in_world(bent, plane_normal));
 }
 // Traced, also of the light that the surface reflects.

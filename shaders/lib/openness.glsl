@@ -5,6 +5,7 @@ struct Openness {
   float diffuse;   // of the diffuse light that this sky gives
   float mirror;    // of the mirror direction's light; below 0: not known
   float lobe;      // of the light that this surface reflects of this sky; below 0: not known
+  float lights;    // of what a glossy surface reflects of the sky's bright spots; below 0: not known
   vec3 bent;       // mean open direction, a unit vector; only where OCCLUSION_IS_BENT
 };
 // Openness::diffuse, of means of how bright all the sky is and what is open of it; where it gives nothing, fraction.

@@ -111,47 +111,109 @@ float rays_through(TraceRay ray, uint mode, float radius, float fade) {
 // there, and how bright it is, all of it and as far as it is open.
 struct SkyOpen {
   float fraction, bright, bright_open;
-  vec3 bent;  // mean open direction, a unit vector
+  vec3 bent;      // mean open direction, a unit vector
+  float mirror;   // of the mirror direction of a viewer, by the triangle's normal
+  float lights;   // of the bright spot that a glossy surface reflects most of to that viewer
 };
-// By `count` rays from number `first` on. own: of the pixel, turns the sequence over.
-SkyOpen sky_open(bool bends, uint first, uint count, uvec2 own) {
+// The light of a bright spot on a surface, by luminance. normal: in the sky's axes.
+float of_sky_light(SkyLight light, vec3 normal) {
+  return max(dot(normal, light.direction), 0.0) * dot(light.illuminance, vec3(0.2126, 0.7152, 0.0722));
+}
+struct SkyLightsFound {
+  float all;       // light of all spots on the surface
+  vec3 reflected;  // direction to the one that it reflects most of; 0: there is none above it
+};
+// In the sky's axes. The roughness is 0.35: smooth surfaces mirror the image itself, and rough ones care little. Always
+// the strongest one, so that neighbouring texels agree: the answer is not filtered.
+SkyLightsFound find_sky_lights(vec3 normal, vec3 to_viewer) {
+  const float alpha2 = 0.015;
+  SkyLightsFound found = SkyLightsFound(0.0, vec3(0.0));
+  float most = 0.0;
+  for (uint i = 0u; i < frame.image_light.light_count; ++i) {
+    const SkyLight light = SkyLightsRef(frame.image_light.lights).s[i];
+    const float part = of_sky_light(light, normal);
+    found.all += part;
+    const vec3 h = light.direction + to_viewer;
+    const float n_h = dot(normal, h), k = 1.0 - n_h * n_h * (1.0 - alpha2) / max(dot(h, h), 1e-12);
+    const float reflected = part / (k * k);
+    if (!(reflected > most)) continue;
+    most = reflected;
+    found.reflected = light.direction;
+  }
+  return found;
+}
+// A spot by its share of the light of all. u: from 0 to 1.
+vec3 chosen_sky_light(vec3 normal, float all, float u) {
+  float left = u * all;
+  vec3 d = normal;
+  for (uint i = 0u; i < frame.image_light.light_count; ++i) {
+    const SkyLight light = SkyLightsRef(frame.image_light.lights).s[i];
+    const float part = of_sky_light(light, normal);
+    if (part > 0.0) d = light.direction;
+    left -= part;
+    if (left < 0.0) break;
+  }
+  return d;
+}
+// Rays of a stretch of the sequence: `count` by the cosine from number `first` on, a quarter as many to bright spots,
+// which the filtered sky does not hold, and with `reflects` two for what is reflected to a viewer in unit direction
+// to_viewer. own: of the pixel, turns the sequence over. One loop sends all of them: the traversal is the largest part
+// of the shader, and stands in it once.
+SkyOpen sky_open(bool bends, bool reflects, vec3 to_viewer, uint first, uint count, uvec2 own) {
   const RaySettings s = RaySettingsRef(pc.rays).s;
   const mat3 axes = axes_about(rays_side);
-  SkyOpen sum = SkyOpen(0.0, 0.0, 0.0, vec3(0.0));
-  for (uint i = 0u; i < count; ++i) {
-    const vec2 u = rays_place(first + i, own);
-    const float across = sqrt(u.x), phi = 2.0 * PI * u.y, along = sqrt(max(1.0 - u.x, 0.0));
-    const vec3 d = axes * vec3(across * cos(phi), across * sin(phi), along);
+  const bool lit = IBL_METHOD != 0 && sky_has_lights();
+  SkyLightsFound spots = SkyLightsFound(0.0, vec3(0.0));
+  const vec3 normal = in_sky(rays_side);
+  if (lit) spots = find_sky_lights(normal, in_sky(to_viewer));
+  const uint to_spots = max(count / 4u, 1u), mirror = count + (spots.all > 0.0 ? to_spots : 0u);
+  const uint end = reflects ? mirror + (lit ? 2u : 1u) : mirror;
+  SkyOpen sum = SkyOpen(0.0, 0.0, 0.0, vec3(0.0), 1.0, 0.0);
+  float of_spots = 0.0;
+  for (uint i = 0u; i < end; ++i) {
+    vec3 d;
+    float along = 0.0;
+    if (i < count) {
+      const vec2 u = rays_place(first + i, own);
+      const float across = sqrt(u.x), phi = 2.0 * PI * u.y;
+      along = sqrt(max(1.0 - u.x, 0.0));
+      d = axes * vec3(across * cos(phi), across * sin(phi), along);
+    } else if (i < mirror) {
+      d = from_sky(chosen_sky_light(normal, spots.all, rays_place(first / count * to_spots + i - count, ~own).x));
+    } else {
+      d = i == mirror ? reflect(-to_viewer, rays_side) : from_sky(spots.reflected);
+      if (!(dot(d, rays_side) > 0.0)) continue;
+    }
     const float hidden = 1.0 - rays_through(TraceRay(leaving_origin(rays_from, d), 0.0, d, s.occlusion_radius_m), 0u,
         s.occlusion_radius_m, s.occlusion_fade_m);
     const float open = 1.0 - s.occlusion_strength * hidden;
-    const float bright = sky_brightness(d, PI / (float(count) * max(along, 0.1)));
-    sum.fraction += open;
-    sum.bright += bright;
-    sum.bright_open += open * bright;
-    if (bends) sum.bent += (1.0 - hidden) * d;
+    if (i < count) {
+      const float bright = sky_brightness(d, PI / (float(count) * max(along, 0.1)));
+      sum.fraction += open;
+      sum.bright += bright;
+      sum.bright_open += open * bright;
+      if (bends) sum.bent += (1.0 - hidden) * d;
+    } else if (i < mirror) {
+      of_spots += open;
+    } else if (i == mirror) {
+      sum.mirror = open;
+    } else {
+      sum.lights = open;
+    }
   }
-  const float each = 1.0 / float(count);
-  return SkyOpen(sum.fraction * each, sum.bright * each, sum.bright_open * each,
-      dot(sum.bent, sum.bent) > 1e-12 ? normalize(sum.bent) : rays_side);
+  const float each = 1.0 / float(count), bright_spots = spots.all / PI;  // as a mean by the cosine
+  return SkyOpen(sum.fraction * each, sum.bright * each + bright_spots,
+      sum.bright_open * each + bright_spots * (of_spots / float(to_spots)),
+      dot(sum.bent, sum.bent) > 1e-12 ? normalize(sum.bent) : rays_side, sum.mirror, sum.lights);
 }
 SkyOpen sky_open(bool bends) {
   const uint count = rays_share(RaySettingsRef(pc.rays).s.occlusion_rays);
-  return sky_open(bends, rays_first(count), count, rays_own(0u));
+  return sky_open(bends, false, rays_side, rays_first(count), count, rays_own(0u));
 }
 // Where the mean open direction is asked for, that tells where light comes from.
 Openness openness(SkyOpen o) {
   const float diffuse = OCCLUSION_IS_BENT ? o.fraction : open_diffuse(o.fraction, o.bright, o.bright_open);
-  return Openness(o.fraction, diffuse, -1.0, -1.0, o.bent);
-}
-// Of the light from the mirror direction of a viewer in unit direction `to_viewer`, by the triangle's normal.
-float mirror_open(vec3 to_viewer) {
-  const RaySettings s = RaySettingsRef(pc.rays).s;
-  const vec3 d = reflect(-to_viewer, rays_side);
-  if (!(dot(d, rays_side) > 0.0)) return 1.0;
-  const float hidden = 1.0 - rays_through(TraceRay(leaving_origin(rays_from, d), 0.0, d, s.occlusion_radius_m), 0u,
-      s.occlusion_radius_m, s.occlusion_fade_m);
-  return 1.0 - s.occlusion_strength * hidden;
+  return Openness(o.fraction, diffuse, -1.0, -1.0, -1.0, o.bent);
 }
 // Of the light that facets about `normal` reflect towards unit `to_viewer` of this sky, by rays in directions of the
 // facets that the viewer sees (Heitz 2018), as fractions of what they would bring. f0: of the facets, by luminance.

@@ -54,28 +54,38 @@ ReflectingTexel reflecting_texel(Surface s, bool is_unlit, vec3 position, vec3 p
     roughness = base.roughness;
     if (HAS_AMBIENT != 0) {
       shade_probes(s, brdf, position);
+      sky_lights_plane = HAS_OCCLUSION != 0 ? rounded_normal : vec3(0.0);
 #ifdef LOBED
-      sky = base_of_sky(s, brdf, s.normal).specular * (under * s.occlusion * frame.pre_exposure) * through;
+      const AmbientLobes of_sky = base_of_sky(s, brdf, s.normal);
+      const float covered = under * s.occlusion * frame.pre_exposure;
 #else
-      sky = ambient_lobes(s, brdf, s.normal).specular * (s.occlusion * frame.pre_exposure) * through;
+      const AmbientLobes of_sky = ambient_lobes(s, brdf, s.normal);
+      const float covered = s.occlusion * frame.pre_exposure;
 #endif
+      sky = of_sky.specular * covered * through;
+      vec3 lights = of_sky.lights * covered * through;
+      float lights_open = 1.0;
       if (HAS_OCCLUSION != 0) {
         if (HAS_OCCLUSION < 0) begin_rays(rounded_point, rounded_normal);
         const Openness o = occlusion_open(rounded_point, rounded_normal, base, to_viewer);
         open = reflected_open(o, base, to_viewer, rounded_normal);
+        lights_open = reflected_lights_open(o, open);
       }
 #ifdef FOG
-      sky *= fog_sky_through_surface(position, s.normal);
+      const vec3 through_fog = fog_sky_through_surface(position, s.normal);
+      sky *= through_fog;
+      lights *= through_fog;
 #endif
-      if (PROBE_COUNT != 0) {
+      if (PROBE_COUNT != 0 || lights != vec3(0.0)) {
         // Near surfaces leave all of the probes' light. What is drawn of the sum is `sky` times `open`.
 #ifdef LOBED
-        const vec3 of_probes = probes.base;
+        const vec3 of_probes = PROBE_COUNT != 0 ? probes.base : vec3(0.0);
 #else
-        const vec3 of_probes = probes.specular;
+        const vec3 of_probes = PROBE_COUNT != 0 ? probes.specular : vec3(0.0);
 #endif
-        const vec3 local = of_probes * (s.occlusion * frame.pre_exposure) * through, drawn = sky * open + local;
-        const float whole = dot(sky + local, vec3(1.0)), part = dot(drawn, vec3(1.0));
+        const vec3 local = of_probes * (s.occlusion * frame.pre_exposure) * through;
+        const vec3 drawn = sky * open + lights * lights_open + local;
+        const float whole = dot(sky + lights + local, vec3(1.0)), part = dot(drawn, vec3(1.0));
         if (whole > 0.0 && part > 0.0) {
           open = min(part / whole, 1.0);
           sky = drawn / open;

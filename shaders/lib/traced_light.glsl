@@ -10,7 +10,7 @@
 #include "lib/openness.glsl"
 #include "shared/trace.h"
 #ifndef TRACES
-Openness traced_open() { return Openness(1.0, 1.0, -1.0, -1.0, vec3(0.0)); }
+Openness traced_open() { return Openness(1.0, 1.0, -1.0, -1.0, -1.0, vec3(0.0)); }
 float traced_lobe(vec3 normal, vec3 to_viewer, float roughness, float f0) { return 1.0; }
 #endif
 #if !defined(TRACES) && !defined(LIGHT_RECORDS)

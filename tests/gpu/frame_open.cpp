@@ -132,6 +132,45 @@ TEST_F(FrameOpen, TracedOcclusionHidesWhatTheLobeSees) {
   }
 }
 
+// A wall hides a bright spot of the sky from a floor, most of which stays open: neither its diffuse light nor its
+// highlight is left on matt and on glossy ground. With a look that turns the sky too.
+TEST_F(FrameOpen, AWallHidesABrightSpotOfTheSky) {
+  GltfBuilder b = empty_scene();
+  Json glossy = diffuse_material(0.9, 0.9, 0.9);
+  glossy["pbrMetallicRoughness"]["metallicFactor"] = 1.0, glossy["pbrMetallicRoughness"]["roughnessFactor"] = 0.4;
+  Json matt = diffuse_material(0.8, 0.8, 0.8);
+  matt["doubleSided"] = true;
+  const int wall = add_material(b, matt);
+  const double h = std::sqrt(0.5);
+  add_node(b, {{"mesh", add_square_mesh(b, 1, add_material(b, glossy))}, {"translation", {1, 0, 0}}});
+  add_node(b, {{"mesh", add_square_mesh(b, 1, wall)}, {"translation", {-1, 0, 0}}});
+  add_node(b, {{"mesh", add_square_mesh(b, 3, wall)}, {"translation", {0, 1, 3}}, {"rotation", {h, 0, 0, h}}});
+  Job job = job_for(write(b), 32, 24, 1);
+  look(job, {0, -5, 2}, {0, 0, 0.2}, 30);
+  const glm::dvec3 behind = glm::normalize(glm::dvec3(0.05, 0.8, 0.6));
+  const auto radiance = [&](glm::dvec3 d) { return glm::dvec3(glm::dot(d, behind) > 0.995 ? 300 : 0.02); };
+  const std::string turning = ::testing::TempDir() + "candela_open_turned_sky.json";
+  std::ofstream(turning) << R"({"sky": {"rotation_deg": 90}})";
+  for (const bool turned : {false, true}) {
+    job.look = turned ? turning : "";
+    job.sky = write_sky(turned ? "box_turned" : "box", [&](glm::dvec3 d) {
+                return radiance(turned ? glm::dvec3(d.z, d.y, -d.x) : d);
+              }).file;
+    const auto frame = open_reference(job, 0, {});
+    ASSERT_TRUE(frame);
+    reference::TraceSettings settings;
+    settings.sampler = {reference::SamplerKind::sobol, 128};
+    reference::Film film(32, 24, {});
+    film.add(reference::Integrator(*(*frame)->world, settings, 32, 24), 128, [](double) { return true; });
+    std::vector<glm::vec4> truth;
+    for (size_t i = 0; i < film.pixels(); ++i) truth.emplace_back(film.mean(i));
+    for (const char* technique : {"clustered", "visibility", "ray"}) {
+      job.technique = technique;
+      EXPECT_LT(relmse(images_of(job)["beauty"].values<glm::vec4>(), truth), 0.02) << technique << " " << turned;
+    }
+  }
+}
+
 // The sky behind everything is read as finely as a supersampled frame's samples lie: stripes of 3.5 pixels keep their
 // contrast, of which a pixel's box leaves 0.87 and texels 0.95.
 TEST_F(FrameOpen, ASupersampledSkyIsSharp) {

@@ -60,8 +60,7 @@ void main() {
   if (any(greaterThanEqual(uvec2(texel), pc.texels))) return;
   float point = texel_point(texel);
   vec3 n = vec3(0.0, 0.0, 1.0);
-  SkyOpen open = SkyOpen(1.0, 0.0, 0.0, n);
-  float mirror = 1.0;
+  SkyOpen open = SkyOpen(1.0, 0.0, 0.0, n, 1.0);
   if (point > 0.0) {
     const vec3 p = occlusion_point(texel, point, SHAPE, pc.subsample_ndc);
     const vec3 position = p.x * frame.camera_right + p.y * frame.camera_up + p.z * frame.camera_back;
@@ -73,11 +72,10 @@ void main() {
     n = vec3(dot(rays_side, frame.camera_right), dot(rays_side, frame.camera_up), dot(rays_side, frame.camera_back));
     const uint count = rays_of(texel, p, n);
     const uint first = (PATTERN_TEXELS * pc.subsample + place_in_pattern(uvec2(texel))) * count;
-    open = sky_open(false, first, count, own);
-    mirror = mirror_open(to_viewer);
+    open = sky_open(false, first, count, own, to_viewer);
     if (!found) point = 0.0;
   }
   if (KEEPS_NORMALS != 0) imageStore(storage_uint_images[pc.normals], texel, uvec4(pack_normal(n)));
-  const float both = pack_open(open.fraction, mirror);
+  const float both = pack_open(open.fraction, open.mirror);
   imageStore(storage_images[pc.open], texel, vec4(both, point, open.bright, open.bright_open));
 }

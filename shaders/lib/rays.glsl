@@ -111,20 +111,32 @@ float rays_through(TraceRay ray, uint mode, float radius, float fade) {
 // there, and how bright it is, all of it and as far as it is open.
 struct SkyOpen {
   float fraction, bright, bright_open;
-  vec3 bent;  // mean open direction, a unit vector
+  vec3 bent;     // mean open direction, a unit vector
+  float mirror;  // of the light from the viewer's mirror direction
 };
-// By `count` rays from number `first` on. own: of the pixel, turns the sequence over.
-SkyOpen sky_open(bool bends, uint first, uint count, uvec2 own) {
+// By `count` rays from number `first` on, and one in the mirror direction of a viewer in unit direction `to_viewer` (0:
+// none is sent) by the triangle's normal. own: of the pixel, turns the sequence over. All rays are sent from one place
+// of the code, for drivers inline the search at each.
+SkyOpen sky_open(bool bends, uint first, uint count, uvec2 own, vec3 to_viewer) {
   const RaySettings s = RaySettingsRef(pc.rays).s;
   const mat3 axes = axes_about(rays_side);
-  SkyOpen sum = SkyOpen(0.0, 0.0, 0.0, vec3(0.0));
-  for (uint i = 0u; i < count; ++i) {
+  SkyOpen sum = SkyOpen(0.0, 0.0, 0.0, vec3(0.0), 1.0);
+  for (uint i = 0u; i <= count; ++i) {
+    const bool mirrors = i == count;
     const vec2 u = rays_place(first + i, own);
     const float across = sqrt(u.x), phi = 2.0 * PI * u.y, along = sqrt(max(1.0 - u.x, 0.0));
-    const vec3 d = axes * vec3(across * cos(phi), across * sin(phi), along);
+    vec3 d = axes * vec3(across * cos(phi), across * sin(phi), along);
+    if (mirrors) {
+      d = reflect(-to_viewer, rays_side);
+      if (!(dot(d, rays_side) > 0.0)) break;
+    }
     const float hidden = 1.0 - rays_through(TraceRay(leaving_origin(rays_from, d), 0.0, d, s.occlusion_radius_m), 0u,
         s.occlusion_radius_m, s.occlusion_fade_m);
     const float open = 1.0 - s.occlusion_strength * hidden;
+    if (mirrors) {
+      sum.mirror = open;
+      break;
+    }
     const float bright = sky_brightness(d, PI / (float(count) * max(along, 0.1)));
     sum.fraction += open;
     sum.bright += bright;
@@ -133,25 +145,16 @@ SkyOpen sky_open(bool bends, uint first, uint count, uvec2 own) {
   }
   const float each = 1.0 / float(count);
   return SkyOpen(sum.fraction * each, sum.bright * each, sum.bright_open * each,
-      dot(sum.bent, sum.bent) > 1e-12 ? normalize(sum.bent) : rays_side);
+      dot(sum.bent, sum.bent) > 1e-12 ? normalize(sum.bent) : rays_side, sum.mirror);
 }
 SkyOpen sky_open(bool bends) {
   const uint count = rays_share(RaySettingsRef(pc.rays).s.occlusion_rays);
-  return sky_open(bends, rays_first(count), count, rays_own(0u));
+  return sky_open(bends, rays_first(count), count, rays_own(0u), vec3(0.0));
 }
 // Where the mean open direction is asked for, that tells where light comes from.
 Openness openness(SkyOpen o) {
   const float diffuse = OCCLUSION_IS_BENT ? o.fraction : open_diffuse(o.fraction, o.bright, o.bright_open);
   return Openness(o.fraction, diffuse, -1.0, -1.0, o.bent);
-}
-// Of the light from the mirror direction of a viewer in unit direction `to_viewer`, by the triangle's normal.
-float mirror_open(vec3 to_viewer) {
-  const RaySettings s = RaySettingsRef(pc.rays).s;
-  const vec3 d = reflect(-to_viewer, rays_side);
-  if (!(dot(d, rays_side) > 0.0)) return 1.0;
-  const float hidden = 1.0 - rays_through(TraceRay(leaving_origin(rays_from, d), 0.0, d, s.occlusion_radius_m), 0u,
-      s.occlusion_radius_m, s.occlusion_fade_m);
-  return 1.0 - s.occlusion_strength * hidden;
 }
 // Of the light that facets about `normal` reflect towards unit `to_viewer` of this sky, by rays in directions of the
 // facets that the viewer sees (Heitz 2018), as fractions of what they would bring. f0: of the facets, by luminance.

@@ -2,6 +2,7 @@
 // Writes the draw commands of the items that stay without gaps, in item order: the place of a command is the number of
 // bits before its own, summed from the counts of `cull` and the words of its group. No atomics, so every run gives the
 // same order.
+#extension GL_EXT_control_flow_attributes : require
 #include "lib/cull.glsl"
 
 const uint runs = 16u, run_size = cull_group_size / runs;
@@ -26,11 +27,11 @@ void main() {
   barrier();
   const uint first = t / run_size * run_size;
   uint parts = 0u;
-  for (uint i = first; i < first + run_size; ++i) parts += part[i];
+  [[dont_unroll]] for (uint i = first; i < first + run_size; ++i) parts += part[i];
   if (t == first) run_part[t / run_size] = parts;
   barrier();
   uint before = 0u;
-  for (uint r = 0u; r < runs; ++r) before += run_part[r];
+  [[dont_unroll]] for (uint r = 0u; r < runs; ++r) before += run_part[r];
   // Without a table a run's commands begin at its first item's place: the groups of a run follow one another.
   const uint region = view * pc.run_count + group.run;
   const uint first_command = HAS_VIEW_TABLE != 0

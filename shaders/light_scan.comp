@@ -3,6 +3,7 @@
 // Grimshaw 2009 scan inside a group: inside runs of cells, then over the runs. lavapipe compiles a barrier in a loop
 // slowly. Nothing is summed in place: that form, with one thread a run, hangs an H200 (driver 580.159), and why is not
 // known.
+#extension GL_EXT_control_flow_attributes : require
 #include "shared/lights.h"
 layout(push_constant, scalar) uniform Push { LightScanPush pc; };
 layout(local_size_x = 256) in;
@@ -22,7 +23,7 @@ void main() {
   barrier();
   const uint run = t / run_cells, first = run * run_cells;
   uint parts = 0u, inside = 0u;
-  for (uint i = first; i < first + run_cells; ++i) {
+  [[dont_unroll]] for (uint i = first; i < first + run_cells; ++i) {
     parts += part[i];
     if (i <= t) inside += counts[i];
   }
@@ -32,7 +33,7 @@ void main() {
   }
   barrier();
   uint before = 0u;
-  for (uint r = 0u; r < runs; ++r) {
+  [[dont_unroll]] for (uint r = 0u; r < runs; ++r) {
     before += run_part[r];
     if (r < run) inside += run_count[r];
   }

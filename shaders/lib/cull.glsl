@@ -1,5 +1,6 @@
 // Tests of one item's box against a view. Written so that NaN and infinite bounds are kept, and
 // rounding never culls.
+#extension GL_EXT_control_flow_attributes : require
 #include "lib/frame.glsl"
 #include "shared/cull.h"
 layout(push_constant, scalar) uniform Push { CullPush pc; };
@@ -26,7 +27,7 @@ bool is_inside(vec4 plane, Item item) {
 }
 
 bool camera_keeps(Item item) {
-  for (int p = 0; p < 5; ++p)
+  [[dont_unroll]] for (int p = 0; p < 5; ++p)
     if (is_outside(frame.planes[p], item)) return false;
   return true;
 }

@@ -1,4 +1,5 @@
 #pragma once
+#extension GL_EXT_control_flow_attributes : require
 // A bit for each item of a group, by workgroups of cull_group_size threads. Needs shared/cull.h.
 shared uint mask_words[cull_mask_words];
 
@@ -19,7 +20,7 @@ uint write_masks(bool keeps, uint64_t masks, uint64_t survivors, uint group) {
   if (t < cull_mask_words) MasksRef(masks).m[group * cull_mask_words + t] = mask_words[t];
   if (t != 0u) return 0u;
   uint count = 0u;
-  for (uint w = 0u; w < cull_mask_words; ++w) count += uint(bitCount(mask_words[w]));
+  [[dont_unroll]] for (uint w = 0u; w < cull_mask_words; ++w) count += uint(bitCount(mask_words[w]));
   CountsRef(survivors).n[group] = count;
   return count;
 }

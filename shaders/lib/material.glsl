@@ -27,12 +27,17 @@ Material load_material(uint i) {
   m.id = kind.y;
   m.specular_color = vec3(material_pair(r, 8u), specular_b.x);
   m.relief = floatBitsToUint(specular_b.y);
-  m.base_texture = material_texture(r, 10u);
-  m.orm_texture = material_texture(r, 15u);
-  m.occlusion_texture = material_texture(r, 20u);
-  m.normal_texture = material_texture(r, 25u);
-  m.emissive_texture = material_texture(r, 30u);
-  m.specular_texture = material_texture(r, 35u);
-  m.specular_color_texture = material_texture(r, 40u);
+  // What no material has is not read: drivers would inline a reader for each before they drop it.
+  m.base_texture.texture = m.orm_texture.texture = m.occlusion_texture.texture = m.normal_texture.texture = absent;
+  m.emissive_texture.texture = m.specular_texture.texture = m.specular_color_texture.texture = absent;
+  if (HAS_BASE_TEXTURE != 0) m.base_texture = material_texture(r, 10u);
+  if (HAS_ORM_TEXTURE != 0) m.orm_texture = material_texture(r, 15u);
+  if (HAS_OCCLUSION_TEXTURE != 0) m.occlusion_texture = material_texture(r, 20u);
+  if (HAS_NORMAL_TEXTURE != 0) m.normal_texture = material_texture(r, 25u);
+  if (HAS_EMISSIVE_TEXTURE != 0) m.emissive_texture = material_texture(r, 30u);
+  if (HAS_SPECULAR_TEXTURE != 0) {
+    m.specular_texture = material_texture(r, 35u);
+    m.specular_color_texture = material_texture(r, 40u);
+  }
   return m;
 }

@@ -301,37 +301,42 @@ float trace_into(vec4 row, vec4 rest, vec3 v, float w) {
 bool trace_finite(vec3 v) { return all(lessThanEqual(abs(v), vec3(TRACE_FAR))); }
 
 // The ray in an instance's mesh space; false: its numbers leave the range of floats there.
-bool trace_enter(TraceInstance i, TraceRay ray, out TraceFrame f) {
-  vec3 origin, direction;
+bool trace_enter(TraceInstance i, TraceRay ray, out vec3 origin, out vec3 direction) {
   for (int a = 0; a < 3; ++a) {
     origin[a] = trace_into(i.local_row[a], i.local_rest[a], ray.origin, 1.0);
     direction[a] = trace_into(i.local_row[a], i.local_rest[a], ray.direction, 0.0);
   }
-  f = trace_frame(origin, direction);
   return trace_finite(origin) && trace_finite(direction) && direction != vec3(0.0);
 }
 
 #if defined(TRACE_QUERY) || defined(TRACE_RAYGEN) || defined(TRACE_HIT)
 #include "lib/trace_device.glsl"
 #else
-// Through the trees.
+// Through the trees. Drivers inline a function at every call, so trace_frame and trace_children are called in one place
+// each: a shader that sends rays is mostly this one.
 void trace_search(TraceScene s, TraceRay ray, uint mode, TraceHit passed, inout TraceState state) {
-  TraceFrame f = trace_frame(ray.origin, ray.direction);
+  TraceFrame f;
+  vec3 origin = ray.origin, direction = ray.direction;  // in the space of the tree that is searched
+  bool turned = true;                                   // f is another's yet
   uvec2 stack[TRACE_STACK];  // a node, and a bit for each child left; or a leaf of instances, and how many are left
   uint top = 0u, base = 0u;  // base: the stack of the instance's tree begins there
   uint instance = no_trace;
   bool in_top = false;
   uint node = s.world_root, left = 0u;
-  if (node != no_trace) {
-    left = trace_children(trace_node(s, node), f, state.t_min, state.t_max);
-#ifdef TRACE_COUNTS
-    ++trace_nodes;
-#endif
-  }
+  bool entered = node != no_trace;  // the node, whose children have not been tested yet
   while (true) {
+    if (turned) f = trace_frame(origin, direction);
+    turned = false;
     // To the next leaf.
     uint leaf = no_trace;
     while (true) {
+      if (entered) {
+        left = trace_children(trace_node(s, node), f, state.t_min, state.t_max);
+        entered = false;
+#ifdef TRACE_COUNTS
+        ++trace_nodes;
+#endif
+      }
       if (left == 0u) {
         if (top == base) break;
         --top;
@@ -348,10 +353,7 @@ void trace_search(TraceScene s, TraceRay ray, uint mode, TraceHit passed, inout 
       }
       if (left != 0u) stack[top++] = uvec2(node, left);
       node = child;
-      left = trace_children(trace_node(s, node), f, state.t_min, state.t_max);
-#ifdef TRACE_COUNTS
-      ++trace_nodes;
-#endif
+      entered = true;
     }
     uint root = no_trace;  // of the tree that is entered next
     if (leaf != no_trace) {
@@ -370,20 +372,24 @@ void trace_search(TraceScene s, TraceRay ray, uint mode, TraceHit passed, inout 
       left = count;
     }
     if (left != 0u) {  // of instances
-      const uint entered = (node & ((1u << trace_leaf_shift) - 1u)) + --left;
+      const uint next = (node & ((1u << trace_leaf_shift) - 1u)) + --left;
       if (left != 0u) stack[top++] = uvec2(node, left);
       left = 0u;
-      const TraceInstance i = trace_instance(s, entered);
-      TraceFrame entering;
-      if (!trace_enter(i, ray, entering)) continue;
-      instance = entered;
+      const TraceInstance i = trace_instance(s, next);
+      vec3 from, along;
+      if (!trace_enter(i, ray, from, along)) continue;
+      instance = next;
       base = top;
-      f = entering;
+      origin = from;
+      direction = along;
+      turned = true;
       root = i.root;  // never none: of empty trees there is no instance
     } else if (instance != no_trace) {  // which is done
       instance = no_trace;
       base = 0u;
-      f = trace_frame(ray.origin, ray.direction);
+      origin = ray.origin;
+      direction = ray.direction;
+      turned = true;
       continue;
     } else {
       if (in_top || s.top_root == no_trace) return;
@@ -391,10 +397,7 @@ void trace_search(TraceScene s, TraceRay ray, uint mode, TraceHit passed, inout 
       root = s.top_root;
     }
     node = root;
-    left = trace_children(trace_node(s, root), f, state.t_min, state.t_max);
-#ifdef TRACE_COUNTS
-    ++trace_nodes;
-#endif
+    entered = true;
   }
 }
 #endif

@@ -24,9 +24,11 @@ TraceHit trace_named(TraceScene s, TraceRay ray, uint number, uint primitive, Tr
   h.primitive = primitive;
   h.instance = g.instance;
   h.place = trace_place_of(s, g.first_place + primitive);
-  TraceFrame f = trace_frame(ray.origin, ray.direction);
+  vec3 origin = ray.origin, direction = ray.direction;
+  const bool entered = g.instance == no_trace || trace_enter(trace_instance(s, g.instance), ray, origin, direction);
+  const TraceFrame f = trace_frame(origin, direction);
   const TraceState any = TraceState(-TRACE_FAR, TRACE_FAR, TRACE_NOTHING, false);
-  if (g.instance == no_trace || trace_enter(trace_instance(s, g.instance), ray, f))
+  if (entered)
     trace_test(trace_triangle(s, h.place), f, any, h);
   if (g.instance == no_trace && (trace_item(s, g.item).flags & trace_mirrored) != 0u) h.back ^= 1u;
 #ifdef RELIEFS

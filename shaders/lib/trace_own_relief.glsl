@@ -11,8 +11,10 @@ float trace_own_relief(TracePoint from, TraceRay ray) {
   const Relief r = trace_relief_of(s, trace_item(s, from.relief.item), triangle, from.relief.primitive);
   precise vec3 rest = frame.trace_shift_rest + ray.origin;
   ray.origin = frame.trace_shift + rest;
-  TraceFrame f = trace_frame(ray.origin, ray.direction);
-  if (from.relief.instance != no_trace && !trace_enter(trace_instance(s, from.relief.instance), ray, f)) return -1.0;
+  vec3 start = ray.origin, along = ray.direction;
+  if (from.relief.instance != no_trace && !trace_enter(trace_instance(s, from.relief.instance), ray, start, along))
+    return -1.0;
+  const TraceFrame f = trace_frame(start, along);
   const vec3 direction = 1.0 / f.inverse, q = f.origin - r.corner;
   vec3 row[3];
   if (!relief_rows(r, row)) return -1.0;

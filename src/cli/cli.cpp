@@ -13,6 +13,7 @@
 #include "cli/help.h"
 #include "cli/version.h"
 #include "farm/quote.h"
+#include "gpu/driver_files.h"
 #include "render/current_error.h"
 
 namespace candela::cli {
@@ -191,6 +192,7 @@ int run(int argc, char** argv) {
   started_with() = shell_quoted(std::vector<std::string>(argv, argv + argc));
   if (!prepare_process()) return int(ErrorKind::output);
   std::set_terminate(end_by_exception);
+  gpu::leave_out_drivers();
   return on_a_large_stack([&] { return run_all(argc, argv); });
 }
 

@@ -48,4 +48,21 @@ std::string no_driver() {
       joined(files), files.size() == 1 ? "is" : "are");
 }
 
+std::string drivers_without_device(const std::filesystem::path& devices) {
+  std::error_code failed;
+  if (std::filesystem::exists(devices, failed) || failed) return {};
+  std::string files = "radeon_icd*,intel_icd*,intel_hasvk_icd*,nouveau_icd*";
+  // These two have other ways, for tests, which their own variables ask for.
+  if (!std::getenv("VN_DEBUG")) files += ",virtio_icd*";
+  if (!std::getenv("VIRTGPU_KUMQUAT")) files += ",gfxstream_vk_icd*";
+  return files;
+}
+
+void leave_out_drivers() {
+  constexpr const char* disable = "VK_LOADER_DRIVERS_DISABLE";
+  for (const char* name : {disable, "VK_LOADER_DRIVERS_SELECT", "VK_DRIVER_FILES", "VK_ICD_FILENAMES"})
+    if (std::getenv(name)) return;
+  if (const std::string files = drivers_without_device("/dev/dri"); !files.empty()) setenv(disable, files.c_str(), 0);
+}
+
 }  // namespace candela::gpu

@@ -89,6 +89,8 @@ class Uploader {
   void to_buffer(Buffer& target, uint64_t offset, std::span<const std::byte> bytes);
   void to_texture(Texture& target, const TextureData& data);  // ends in SHADER_READ_ONLY_OPTIMAL
   void to_texture(Texture& target, TextureData&& data);       // the same; memory is given back as it is copied
+  // Of a shape of one level, whose own bytes are not asked for.
+  void to_texture(Texture& target, const TextureData& shape, std::vector<float>&& texels);
   // Likewise, where the caller writes the levels, tightly packed one behind the other, before submit(): slow to read.
   // They fit into the staging memory.
   std::span<std::byte> texture_room(Texture& target, VkFormat format, uint32_t width, uint32_t height, uint32_t levels,

@@ -120,10 +120,11 @@ struct Uploader::Hidden {
     return staging_bytes - used;
   }
 
+  using Level = std::span<const std::byte>;
   template <class Copied>
-  void copy_level(Texture& target, const TextureData& data, uint32_t level, Copied copied);
+  void copy_level(Texture& target, const TextureData& shape, uint32_t level, Level bytes, Copied copied);
   template <class Copied>  // copied(bytes, count): the first bytes of a level have been copied
-  void copy_levels(Texture& target, const TextureData& data, Copied copied);
+  void copy_levels(Texture& target, const TextureData& shape, std::span<const Level> levels, Copied copied);
 };
 
 Uploader::Uploader(Device& device, uint64_t staging_bytes) : hidden_(std::make_unique<Hidden>(device, staging_bytes)) {}
@@ -147,11 +148,11 @@ void Uploader::to_buffer(Buffer& target, uint64_t offset, std::span<const std::b
 }
 
 template <class Copied>
-void Uploader::Hidden::copy_level(Texture& target, const TextureData& data, uint32_t level, Copied copied) {
-  const uint32_t block = block_height(data.format);
-  const uint32_t width = std::max(1u, data.width >> level), height = std::max(1u, data.height >> level);
+void Uploader::Hidden::copy_level(Texture& target, const TextureData& shape, uint32_t level, Level bytes,
+                                  Copied copied) {
+  const uint32_t block = block_height(shape.format);
+  const uint32_t width = std::max(1u, shape.width >> level), height = std::max(1u, shape.height >> level);
   const uint32_t rows = (height + block - 1) / block;
-  const std::vector<std::byte>& bytes = data.levels[level];
   CHECK(!bytes.empty() && bytes.size() % rows == 0);
   const uint64_t row_bytes = bytes.size() / rows;
   CHECK(row_bytes <= staging_bytes);
@@ -173,29 +174,41 @@ void Uploader::Hidden::copy_level(Texture& target, const TextureData& data, uint
 }
 
 template <class Copied>
-void Uploader::Hidden::copy_levels(Texture& target, const TextureData& data, Copied copied) {
+void Uploader::Hidden::copy_levels(Texture& target, const TextureData& shape, std::span<const Level> levels,
+                                   Copied copied) {
   begin();
   texture_barrier(commands, target.image(), VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-  for (uint32_t level = 0; level < data.levels.size(); ++level) {
-    copy_level(target, data, level, copied);
-  }
+  for (uint32_t level = 0; level < levels.size(); ++level) copy_level(target, shape, level, levels[level], copied);
   begin();
   texture_barrier(commands, target.image(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                   VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
 }
 
+namespace {
+std::vector<std::span<const std::byte>> levels_of(const TextureData& data) {
+  return {data.levels.begin(), data.levels.end()};
+}
+// The pages of what has been copied, for a device that shares the memory fills the texture's meanwhile. They read as
+// zeros from then on.
+void give_back(const std::byte* bytes, size_t done) {
+  const uint64_t page = uint64_t(sysconf(_SC_PAGESIZE));
+  const auto first = (reinterpret_cast<uintptr_t>(bytes) + page - 1) / page * page,
+             end = (reinterpret_cast<uintptr_t>(bytes) + done) / page * page;
+  if (end > first) madvise(reinterpret_cast<void*>(first), end - first, MADV_DONTNEED);
+}
+}  // namespace
+
 void Uploader::to_texture(Texture& target, const TextureData& data) {
-  hidden_->copy_levels(target, data, [](const std::byte*, size_t) {});
+  hidden_->copy_levels(target, data, levels_of(data), [](const std::byte*, size_t) {});
 }
 void Uploader::to_texture(Texture& target, TextureData&& data) {
-  // Its pages, for a device that shares the memory fills the texture's meanwhile. They read as zeros from then on.
-  const uint64_t page = uint64_t(sysconf(_SC_PAGESIZE));
-  hidden_->copy_levels(target, data, [&](const std::byte* bytes, size_t done) {
-    const auto first = (reinterpret_cast<uintptr_t>(bytes) + page - 1) / page * page,
-               end = (reinterpret_cast<uintptr_t>(bytes) + done) / page * page;
-    if (end > first) madvise(reinterpret_cast<void*>(first), end - first, MADV_DONTNEED);
-  });
+  hidden_->copy_levels(target, data, levels_of(data), give_back);
   data.levels.clear();
+}
+void Uploader::to_texture(Texture& target, const TextureData& shape, std::vector<float>&& texels) {
+  const std::span<const std::byte> level = std::as_bytes(std::span(texels));
+  hidden_->copy_levels(target, shape, std::span(&level, 1), give_back);
+  texels = {};
 }
 
 std::span<std::byte> Uploader::texture_room(Texture& target, VkFormat format, uint32_t width, uint32_t height,

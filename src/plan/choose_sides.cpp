@@ -1,9 +1,11 @@
 #include "plan/choose_sides.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -23,6 +25,13 @@ class FirstHits {
  public:
   FirstHits() { nearest_.fill(std::numeric_limits<double>::infinity()), culled_.fill(false); }
 
+  // Whether corners (as in add) lie all behind the camera or beyond one side of the picture.
+  static bool misses(const glm::dvec3 (&v)[3]) {
+    const auto all = [&](auto beyond) { return beyond(v[0]) && beyond(v[1]) && beyond(v[2]); };
+    return all([](const glm::dvec3& c) { return c.z <= 0; }) || all([](const glm::dvec3& c) { return c.x > c.z; }) ||
+           all([](const glm::dvec3& c) { return c.x < -c.z; }) || all([](const glm::dvec3& c) { return c.y > c.z; }) ||
+           all([](const glm::dvec3& c) { return c.y < -c.z; });
+  }
   // x, y and w of the corners. culled: the camera does not see it.
   void add(const glm::dvec3 (&v)[3], bool culled) {
     const double det = glm::dot(v[0], glm::cross(v[1], v[2]));
@@ -67,13 +76,23 @@ void add_item(const Scene& scene, const PosedScene& posed, const DrawItem& item,
   const glm::dmat4 relative(posed.data.relative_from_local[item.transform]);
   const glm::dmat4 clip = posed.view.clip_from_view * posed.view.view_from_relative;
   const glm::dvec3 forward = -glm::dvec3(glm::transpose(posed.view.view_from_relative)[2]);
+  struct Corner {
+    glm::dvec3 relative, seen;
+  };
+  std::vector<Corner> corners;
+  corners.reserve(section.position.size());
+  for (const auto& position : section.position) {
+    const glm::dvec3 at(relative * glm::dvec4(glm::dvec3(position), 1));
+    const glm::dvec4 c = clip * glm::dvec4(at, 1);
+    corners.push_back({at, {c.x, c.y, c.w}});
+  }
   for (size_t t = 0; t + 2 < section.index.size(); t += 3) {
     glm::dvec3 corner[3], seen[3];
     for (size_t k = 0; k < 3; ++k) {
-      corner[k] = glm::dvec3(relative * glm::dvec4(glm::dvec3(section.position[section.index[t + k]]), 1));
-      const glm::dvec4 c = clip * glm::dvec4(corner[k], 1);
-      seen[k] = {c.x, c.y, c.w};
+      corner[k] = corners[section.index[t + k]].relative;
+      seen[k] = corners[section.index[t + k]].seen;
     }
+    if (FirstHits::misses(seen)) continue;
     const glm::dvec3 normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]) * (item.mirrored ? -1.0 : 1.0);
     const bool from_behind = glm::dot(normal, posed.view.perspective ? corner[0] : forward) > 0;
     hits.add(seen, from_behind && !material.double_sided);
@@ -86,18 +105,21 @@ ChosenSides choose_sides(const Scene& scene, const Job& job) {
   const ChosenSides block{"block", {}};
   const auto animations = choose_animations(scene, job.animation);
   const double end_s = std::max(animations ? clips_end_s(scene, *animations) : 0, job.camera.turn_s);
-  uint64_t met = 0, culled = 0, triangles = 0;
-  for (int i = 0; i < (end_s > 0 ? most_times : 1); ++i) {
+  std::atomic<uint64_t> met = 0, culled = 0, triangles = 0;
+  std::atomic<bool> cannot = false;
+  tbb::parallel_for(0, end_s > 0 ? most_times : 1, [&](int i) {
     const auto posed = pose_scene(scene, job, end_s * i / (most_times - 1));
-    if (!posed) return block;  // planning says why
+    if (!posed) cannot = true;  // planning says why
+    if (!posed) return;
     for (const DrawItem& item : posed->data.items)
       triangles += scene.meshes[item.mesh].sections[item.section].index.size() / 3;
-    if (triangles > most_triangles) return block;
+    if (triangles > most_triangles) return;
     FirstHits hits;
     for (const DrawItem& item : posed->data.items)
       if (item.deformed < 0) add_item(scene, *posed, item, hits);
     met += uint64_t(hits.met()), culled += uint64_t(hits.culled());
-  }
+  });
+  if (cannot || triangles > most_triangles) return block;
   const double fraction = met > 0 ? double(culled) / double(met) : 0;
   if (fraction <= most_culled) return block;
   return {"open", fmt::format("{:.0f} % of what the camera meets first are backs of single-sided faces, which it looks "

@@ -24,9 +24,9 @@ void GpuProbes::load(const std::vector<FilteredSky>& probes) {
   gpu::Uploader uploader(device_);
   const auto upload = [&](VkFormat format, uint32_t width, uint32_t height, const std::vector<float>& texels,
                           const char* name) {
-    const gpu::TextureData data = sky_texture_data(format, width, height, texels);
-    gpu::Texture texture(device_, data, name);
-    uploader.to_texture(texture, data);
+    const gpu::TextureData shape = sky_map_shape(format, width, height);
+    gpu::Texture texture(device_, shape, name);
+    uploader.to_texture(texture, shape, std::vector(texels));
     return texture;
   };
   for (const FilteredSky& probe : probes) {

@@ -33,11 +33,10 @@ VkSamplerCreateInfo sky_map_sampler() {
   return info;
 }
 
-gpu::TextureData sky_texture_data(VkFormat format, uint32_t width, uint32_t height, const std::vector<float>& texels) {
-  gpu::TextureData data{format, width, height, {}};
-  const auto bytes = std::as_bytes(std::span(texels));
-  data.levels.emplace_back(bytes.begin(), bytes.end());
-  return data;
+gpu::TextureData sky_map_shape(VkFormat format, uint32_t width, uint32_t height) {
+  gpu::TextureData shape{format, width, height, {}};
+  shape.levels.emplace_back();
+  return shape;
 }
 
 namespace {
@@ -84,7 +83,7 @@ std::shared_ptr<GpuSky::Picture> GpuSky::make_picture(const FrameSky& sky) {
   made->key = sky.key(), made->blur_deg = sky.blur_deg, made->shows_suns = sky.shows_suns;
   const DecodedImage summed = sky.is_plain() ? DecodedImage{} : sum_of(sky.parts);
   const DecodedImage& image = sky.is_plain() ? sky.parts[0].image->image : summed;
-  gpu::Uploader uploader(device_);
+  gpu::Uploader uploader(device_, sky_staging_bytes);
   const auto load = [&](gpu::Texture& texture, DecodedImage from, const char* name) {
     gpu::TextureData data = make_mip_chain(std::move(from), false, true);
     texture = gpu::Texture(device_, data, name);
@@ -165,9 +164,7 @@ std::shared_ptr<GpuSky::Maps> GpuSky::sum_maps(const FrameSky& sky, const IblKno
     auto uploader = std::make_unique<gpu::Uploader>(
         device_, texels * sizeof(float) + slice_bytes.size() + most_lights * sizeof(shared::SkyLight) + 256);
     const auto texture = [&](gpu::Texture& target, VkFormat format, uint32_t width, uint32_t height, const char* name) {
-      gpu::TextureData shape{format, width, height, {}};
-      shape.levels.emplace_back();
-      target = gpu::Texture(device_, shape, name);
+      target = gpu::Texture(device_, sky_map_shape(format, width, height), name);
       return maps.add(target);
     };
     light = {};
@@ -230,15 +227,15 @@ const FilteredSky& GpuSky::filtered_part(const SkyImage& image, const IblKnobs& 
 
 void GpuSky::load_filtered(Maps& maps, const FrameSky& frame_sky) {
   const SkyImage& image = *frame_sky.parts[0].image;
-  const FilteredSky sky =
+  FilteredSky sky =
       filtered_sky(image.to_filter(), maps.knobs, image.passing ? std::filesystem::path() : cache_folder());
   shared::ImageLight& light = maps.light;
-  gpu::Uploader uploader(device_);
+  gpu::Uploader uploader(device_, sky_staging_bytes);
   const auto load = [&](gpu::Texture& texture, VkFormat format, uint32_t width, uint32_t height,
-                        const std::vector<float>& texels, const char* name) {
-    const gpu::TextureData data = sky_texture_data(format, width, height, texels);
-    texture = gpu::Texture(device_, data, name);
-    uploader.to_texture(texture, data);
+                        std::vector<float>& texels, const char* name) {
+    const gpu::TextureData shape = sky_map_shape(format, width, height);
+    texture = gpu::Texture(device_, shape, name);
+    uploader.to_texture(texture, shape, std::move(texels));
     return maps.add(texture);
   };
   light.texture = load(maps.sky, VK_FORMAT_R32G32B32A32_SFLOAT, sky.width, sky.height, sky.texels, "sky.filtered");

@@ -15,9 +15,11 @@ namespace candela {
 // Bindless textures that a sky takes, of each frame in flight and of the one that is being made.
 inline constexpr size_t gpu_sky_textures = 5;
 
-// Of octahedral maps, and such a map with one level.
+// Of octahedral maps, and the shape of one.
 VkSamplerCreateInfo sky_map_sampler();
-gpu::TextureData sky_texture_data(VkFormat format, uint32_t width, uint32_t height, const std::vector<float>& texels);
+gpu::TextureData sky_map_shape(VkFormat format, uint32_t width, uint32_t height);
+// A sky goes to the device in pieces: staging memory as large as it would be the most that a small frame takes.
+inline constexpr uint64_t sky_staging_bytes = 1 << 20;
 
 // Skies on a device: the image, the image as the background shows it, and what surfaces reflect of it. What a frame
 // uses is held by the frame, so that the next may have another sky. Where weights alone change, the parts' maps are

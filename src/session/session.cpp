@@ -76,7 +76,8 @@ class DeviceSession : public Session {
   void collect(FrameTicket ticket);
   Job asked_, job_;  // as it was given; with what was left to us chosen
   std::string told_technique_, told_transparency_, told_sides_;
-  bool chose_transparency_ = false;  // the job left it to us: no frame is refused for its method's knobs
+  std::optional<ChosenSides> early_sides_;  // while the device opened
+  bool chose_transparency_ = false;         // the job left it to us: no frame is refused for its method's knobs
   WantedOutputs wanted_;
   RunSettings settings_;
   Timings opening_;
@@ -208,7 +209,7 @@ Expected<void> DeviceSession::choose_by_device() {
       log::info("transparency auto: {}, because {} (--transparency)", chosen.name, chosen.why);
   }
   if (job_.sides == "auto") {
-    const ChosenSides chosen = choose_sides(scene_, job_);
+    const ChosenSides chosen = early_sides_ ? *std::exchange(early_sides_, {}) : choose_sides(scene_, job_);
     job_.sides = chosen.name;
     if (!chosen.why.empty() && std::exchange(told_sides_, chosen.name) != chosen.name)
       log::info("light passes single-sided faces from behind, because {} (--sides block)", chosen.why);
@@ -228,6 +229,7 @@ Expected<void> DeviceSession::open() {
     return std::pair(std::move(device), std::pair(start, process_clock_us() - start));
   });
   const auto loaded = load();
+  if (loaded && job_.sides == "auto") early_sides_ = choose_sides(scene_, job_);
   auto [device, span] = opening_device.get();
   opening_.spans.push_back({"open device", "device", span.first, span.second});
   if (!loaded) return loaded;

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "gpu/device_select.h"
+#include "gpu/driver_files.h"
 
 namespace candela::gpu::test {
 
@@ -33,6 +34,14 @@ TEST(ChooseDevice, TakesTheBestGpuAndTheCpuOnlyWhereThereIsNoOther) {
   EXPECT_EQ(chosen("cpu"), 0);
   EXPECT_EQ(choose_device(std::span(devices()).first(1), "").value_or(-1), 0);
   EXPECT_EQ(choose_device(std::span(devices()).first(2), "gpu").value_or(-1), 1);
+}
+
+// Those of CPUs and of other vendors are always asked.
+TEST(ChooseDevice, LoadsNoDriverOfAGpuWhereTheKernelHasNone) {
+  const std::string without = drivers_without_device("/no/such/folder");
+  for (const char* file : {"radeon_icd*", "intel_icd*"}) EXPECT_NE(without.find(file), std::string::npos) << file;
+  for (const char* file : {"lvp", "nvidia", "*_icd", "dzn"}) EXPECT_EQ(without.find(file), std::string::npos) << file;
+  EXPECT_EQ(drivers_without_device("/"), "");
 }
 
 TEST(ChooseDevice, UnderstandsIndexUuidAndPartOfAName) {

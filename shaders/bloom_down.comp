@@ -10,13 +10,13 @@ layout(local_size_x = bloom_tile, local_size_y = bloom_tile) in;
 layout(constant_id = 0) const int IS_FIRST = 0;
 layout(constant_id = 1) const int KARIS = 0;
 
-// What a group's taps reach of the level before, clamped to the edge: two texels beyond its own on each side.
-const int reach = 2 * int(bloom_tile) + 4;
-shared vec3 texels[reach * reach];
+// The texels that a thread's four targets are made of: two beyond their own on each side.
+const int reach = 8;
+vec3 texels[reach * reach];
 
-// The mean of four texels round their corner, a place in the group's window.
-vec3 tap(ivec2 corner) {
-  const int at = corner.x + reach * corner.y;
+// The mean of four texels round their corner, a place in the window.
+vec3 tap(int x, int y) {
+  const int at = x + reach * y;
   precise vec3 sum = texels[at] * 0.25;
   sum += texels[at + 1] * 0.25;
   sum += texels[at + reach] * 0.25;
@@ -24,42 +24,48 @@ vec3 tap(ivec2 corner) {
   return sum;
 }
 
+// A thread makes four texels, which share taps.
 void main() {
-  const ivec2 window = 2 * int(bloom_tile) * ivec2(gl_WorkGroupID.xy) - 2;
-  for (int i = int(gl_LocalInvocationIndex); i < reach * reach; i += int(bloom_tile * bloom_tile)) {
-    const ivec2 place = ivec2(i % reach, i / reach), at = window + place;
-    vec3 c = texelFetch(pass_images[pc.source], clamp(at, ivec2(0), ivec2(pc.source_px) - 1), 0).rgb;
-    if (IS_FIRST != 0) {
-      // The picture itself: each texel is cleaned and cut before it is weighed, and counted by the group that owns it.
-      const bool owns = all(greaterThanEqual(place, ivec2(2))) && all(lessThan(place, ivec2(reach - 2))) &&
-                        all(lessThan(at, ivec2(pc.source_px)));
-      if (owns && (any(isnan(c)) || any(isinf(c)))) atomicAdd(BloomReportRef(pc.report).r.nonfinite, 1u);
-      c = bloom_bright(c, pc.threshold, pc.knee);
+  const ivec2 target = 2 * ivec2(gl_GlobalInvocationID.xy);
+  if (any(greaterThanEqual(target, ivec2(pc.target_px)))) return;
+  const ivec2 window = 2 * target - 2;
+  uint nonfinite = 0u;
+  for (int y = 0; y < reach; ++y)
+    for (int x = 0; x < reach; ++x) {
+      const ivec2 at = window + ivec2(x, y);
+      vec3 c = texelFetch(pass_images[pc.source], clamp(at, ivec2(0), ivec2(pc.source_px) - 1), 0).rgb;
+      if (IS_FIRST != 0) {
+        // The picture itself: each texel is cleaned and cut before it is weighed, and counted by the thread that owns
+        // it.
+        const bool owns = x >= 2 && x < reach - 2 && y >= 2 && y < reach - 2 && all(lessThan(at, ivec2(pc.source_px)));
+        nonfinite += uint(owns && (any(isnan(c)) || any(isinf(c))));
+        c = bloom_bright(c, pc.threshold, pc.knee);
+      }
+      texels[x + reach * y] = c;
     }
-    texels[i] = c;
-  }
-  barrier();
-  const uvec2 p = gl_GlobalInvocationID.xy;
-  if (any(greaterThanEqual(p, pc.target_px))) return;
+  if (IS_FIRST != 0 && nonfinite != 0u) atomicAdd(BloomReportRef(pc.report).r.nonfinite, nonfinite);
   // Always the corner of four texels: at other ratios than 2 the taps leave texels out.
-  const ivec2 middle = 2 * ivec2(gl_LocalInvocationID.xy) + 2;
-  vec3 inner[4], outer[9];
-  for (int i = 0; i < 4; ++i) inner[i] = tap(middle + ivec2(i & 1, i >> 1) * 2 - 1);
-  for (int i = 0; i < 9; ++i) outer[i] = tap(middle + 2 * (ivec2(i % 3, i / 3) - 1));
-  // precise: each is weighed before it is added, for sums of the brightest lie beyond floats.
-  precise vec3 boxes[5];
-  boxes[0] = inner[0] * 0.25 + inner[1] * 0.25 + inner[2] * 0.25 + inner[3] * 0.25;
-  for (int i = 0; i < 4; ++i) {
-    const int first = (i & 1) + 3 * (i >> 1);  // the box's upper left tap
-    boxes[i + 1] = outer[first] * 0.25 + outer[first + 1] * 0.25 + outer[first + 3] * 0.25 + outer[first + 4] * 0.25;
+  vec3 inner[9], outer[16];
+  for (int i = 0; i < 9; ++i) inner[i] = tap(1 + 2 * (i % 3), 1 + 2 * (i / 3));
+  for (int i = 0; i < 16; ++i) outer[i] = tap(2 * (i & 3), 2 * (i >> 2));
+  for (int t = 0; t < 4; ++t) {
+    const int in0 = (t & 1) + 3 * (t >> 1), out0 = (t & 1) + 4 * (t >> 1);  // the upper left taps
+    // precise: each is weighed before it is added, for sums of the brightest lie beyond floats.
+    precise vec3 boxes[5];
+    boxes[0] = inner[in0] * 0.25 + inner[in0 + 1] * 0.25 + inner[in0 + 3] * 0.25 + inner[in0 + 4] * 0.25;
+    for (int i = 0; i < 4; ++i) {
+      const int o = out0 + (i & 1) + 4 * (i >> 1);
+      boxes[i + 1] = outer[o] * 0.25 + outer[o + 1] * 0.25 + outer[o + 4] * 0.25 + outer[o + 5] * 0.25;
+    }
+    precise vec3 sum = vec3(0.0);
+    float weights = 0.0;
+    for (int i = 0; i < 5; ++i) {
+      float w = i == 0 ? 0.5 : 0.125;
+      if (IS_FIRST != 0 && KARIS != 0) w /= 1.0 + bloom_luminance(boxes[i]);
+      sum += boxes[i] * w;
+      weights += w;
+    }
+    const ivec2 p = target + ivec2(t & 1, t >> 1);
+    if (all(lessThan(p, ivec2(pc.target_px)))) imageStore(storage_images[pc.target], p, vec4(sum / weights, 1.0));
   }
-  precise vec3 sum = vec3(0.0);
-  float weights = 0.0;
-  for (int i = 0; i < 5; ++i) {
-    float w = i == 0 ? 0.5 : 0.125;
-    if (IS_FIRST != 0 && KARIS != 0) w /= 1.0 + bloom_luminance(boxes[i]);
-    sum += boxes[i] * w;
-    weights += w;
-  }
-  imageStore(storage_images[pc.target], ivec2(p), vec4(sum / weights, 1.0));
 }

@@ -7,10 +7,17 @@ layout(push_constant, scalar) uniform Push { BloomUpPush pc; };
 #include "lib/bloom_tent.glsl"
 layout(local_size_x = bloom_tile, local_size_y = bloom_tile) in;
 
+// A thread makes four texels.
 void main() {
-  const uvec2 p = gl_GlobalInvocationID.xy;
-  if (any(greaterThanEqual(p, pc.target_px))) return;
-  precise vec3 sum = bloom_tent(pc.coarse, ivec2(p)) * pc.coarse_weight;
-  sum += pc.fine_weight * texelFetch(pass_images[pc.fine], ivec2(p), 0).rgb;
-  imageStore(storage_images[pc.target], ivec2(p), vec4(sum, 1.0));
+  const ivec2 q = ivec2(gl_GlobalInvocationID.xy), first = 2 * q - 1;
+  if (any(greaterThanEqual(first, ivec2(pc.target_px)))) return;
+  vec3 tents[4];
+  bloom_tents(pc.coarse, q, tents);
+  for (int i = 0; i < 4; ++i) {
+    const ivec2 p = first + ivec2(i & 1, i >> 1);
+    if (any(lessThan(p, ivec2(0))) || any(greaterThanEqual(p, ivec2(pc.target_px)))) continue;
+    precise vec3 sum = tents[i] * pc.coarse_weight;
+    sum += pc.fine_weight * texelFetch(pass_images[pc.fine], p, 0).rgb;
+    imageStore(storage_images[pc.target], p, vec4(sum, 1.0));
+  }
 }

@@ -36,6 +36,12 @@ void find_weights(const Steps& steps, const Bloom& look, ScratchVector<float>& w
 
 ImageHandle source_of(const BloomPass::In& in) { return in.look->of_emission ? in.source : in.color; }
 
+// Of the composition and the steps up: a thread makes the pixels at 2 q - 1 and 2 q of each axis.
+glm::uvec2 threads_up(glm::uvec2 size_px) { return size_px / 2u + 1u; }
+uint64_t groups_of(glm::uvec2 threads) {
+  return uint64_t((threads.x + shared::bloom_group - 1) / shared::bloom_group) * threads.y;
+}
+
 }  // namespace
 
 std::span<const Knob> BloomPass::Knobs::table() {
@@ -161,9 +167,10 @@ BloomPass::Out BloomPass::declare(GraphBuilder& builder, const In& in) const {
     out.glow = builder.write(full("bloom.glow"), Access::storage_image_write);
     builder.publish("bloom", out.glow);
   }
-  const uint64_t groups = uint64_t((in.width_px + shared::bloom_group - 1) / shared::bloom_group) * in.height_px;
   out.energies =
-      builder.write(builder.create(BufferDesc{"bloom.energies", groups * sizeof(glm::vec2)}), Access::compute_write);
+      builder.write(builder.create(BufferDesc{"bloom.energies",
+                                              groups_of(threads_up({in.width_px, in.height_px})) * sizeof(glm::vec2)}),
+                    Access::compute_write);
   pipeline("bloom_energy.comp", {});
   builder.begin_step();
   builder.read(out.energies, Access::compute_read, "the groups' luminance");
@@ -180,10 +187,11 @@ void BloomPass::record(CommandList& commands, const In& in, const Out& out) cons
   find_weights(steps, *in.look, weights);
   const float threshold = float(in.look->threshold) / *in.exposure, knee = float(in.look->knee) / *in.exposure;
   const glm::uvec2 full{in.width_px, in.height_px};
+  const glm::uvec2 threads = threads_up(full);  // of the composition
   commands.bind(out.pipelines[step]);
   if (step == composite + 1) {
-    const uint32_t groups = (full.x + shared::bloom_group - 1) / shared::bloom_group * full.y;
-    commands.push(shared::BloomEnergyPush{commands.address(out.energies), commands.address(out.report), groups});
+    commands.push(shared::BloomEnergyPush{commands.address(out.energies), commands.address(out.report),
+                                          uint32_t(groups_of(threads))});
     commands.dispatch(shared::bloom_energy_group);
   } else if (step == composite) {
     shared::BloomCompositePush push{};
@@ -203,7 +211,7 @@ void BloomPass::record(CommandList& commands, const In& in, const Out& out) cons
     push.keeps = in.look->keeps ? 1 : 0;
     push.energies = commands.address(out.energies);
     commands.push(push);
-    commands.dispatch(full.x, full.y);
+    commands.dispatch(threads.x, threads.y);
   } else if (steps.levels == 0) {
     const uint32_t k = step / 2;
     const bool along_y = step % 2 != 0, to_blurred = (steps.convolutions - 1 - k) % 2 == 0;
@@ -227,7 +235,8 @@ void BloomPass::record(CommandList& commands, const In& in, const Out& out) cons
     push.threshold = threshold, push.knee = knee;
     push.report = step == 0 ? commands.address(out.report) : 0;
     commands.push(push);
-    commands.dispatch(push.target_px.x, push.target_px.y);
+    const glm::uvec2 quads = (push.target_px + 1u) / 2u;
+    commands.dispatch(quads.x, quads.y);
   } else {
     const uint32_t k = 2 * steps.levels - 1 - step;  // from mip k to mip k - 1
     shared::BloomUpPush push{};
@@ -238,7 +247,8 @@ void BloomPass::record(CommandList& commands, const In& in, const Out& out) cons
     push.target = commands.storage(out.up);
     push.target_px = commands.size(out.up, k - 1);
     commands.push(push);
-    commands.dispatch(push.target_px.x, push.target_px.y);
+    const glm::uvec2 up = threads_up(push.target_px);
+    commands.dispatch(up.x, up.y);
   }
 }
 

@@ -23,7 +23,7 @@ install(DIRECTORY ${manual}/zsh DESTINATION share COMPONENT zsh)
 # Debian's zsh looks for what packages bring elsewhere.
 install(DIRECTORY ${manual}/zsh/site-functions/ DESTINATION share/zsh/vendor-completions COMPONENT zsh-debian EXCLUDE_FROM_ALL)
 
-install(DIRECTORY docs/schemas DESTINATION share/candela COMPONENT share)
+install(DIRECTORY docs/schemas packaging/ci DESTINATION share/candela COMPONENT share)
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION share/doc/candela COMPONENT share)
 install(DIRECTORY docs DESTINATION share/doc/candela COMPONENT share PATTERN schemas EXCLUDE)
 install(FILES LICENSE RENAME copyright DESTINATION share/doc/candela COMPONENT share)

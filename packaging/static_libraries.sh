@@ -51,17 +51,21 @@ TEXT
 
 # --- building -------------------------------------------------------------------------------------------------------
 
-# Without warnings: those of other people's sources would hide ours.
+# Without warnings: those of other people's sources would hide ours. What was printed is shown where a build fails.
 build() {  # SOURCE OPTION...
-  local source=$1 folder
+  local source=$1 folder log=$out/build/$1.log
   shift
   folder=$(find "$out/source" -mindepth 1 -maxdepth 1 -type d -name "$source-*")
   say "building $source"
-  cmake -S "$folder" -B "$out/build/$source" -G Ninja -DCMAKE_BUILD_TYPE=Release -Wno-dev -DCMAKE_WARN_DEPRECATED=OFF \
-    -DCMAKE_CXX_FLAGS_RELEASE="-O2 -DNDEBUG -w" -DCMAKE_C_FLAGS_RELEASE="-O2 -DNDEBUG -w" \
-    -DCMAKE_CXX_STANDARD=17 -DBUILD_SHARED_LIBS=OFF -DCMAKE_POSITION_INDEPENDENT_CODE=ON -DBUILD_TESTING=OFF -DCMAKE_INSTALL_PREFIX="$out" \
-    -DCMAKE_INSTALL_LIBDIR=lib -DCMAKE_PREFIX_PATH="$out" -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)" "$@" >&2
-  cmake --build "$out/build/$source" --target install -- -j "${CANDELA_JOBS:-$(nproc)}" >&2
+  mkdir -p "$out/build"
+  {
+    cmake -S "$folder" -B "$out/build/$source" -G Ninja -DCMAKE_BUILD_TYPE=Release -Wno-dev -DCMAKE_WARN_DEPRECATED=OFF \
+      -DCMAKE_CXX_FLAGS_RELEASE="-O2 -DNDEBUG -w" -DCMAKE_C_FLAGS_RELEASE="-O2 -DNDEBUG -w" \
+      -DCMAKE_CXX_STANDARD=17 -DBUILD_SHARED_LIBS=OFF -DCMAKE_POSITION_INDEPENDENT_CODE=ON -DBUILD_TESTING=OFF \
+      -DCMAKE_INSTALL_PREFIX="$out" -DCMAKE_INSTALL_LIBDIR=lib -DCMAKE_PREFIX_PATH="$out" \
+      -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)" "$@" &&
+      cmake --build "$out/build/$source" --target install -- -j "${CANDELA_JOBS:-$(nproc)}"
+  } >"$log" 2>&1 || { cat -- "$log" >&2; exit 1; }
 }
 
 fetch

@@ -9,6 +9,7 @@ import sys
 
 REASON = re.compile(r": Skipped$")
 ENDED = re.compile(r"^\[  SKIPPED \] (\S+) \(\d+ ms\)$")
+TEST = re.compile(r"^test (\S+): skipped: (.+)$")
 GOLDEN = re.compile(r"^(\S+): skipped: (.+)$")
 
 
@@ -24,6 +25,8 @@ def skipped(lines):
         elif ended := ENDED.match(line):
             names[reason].append(ended[1])
             reason = "no reason given"
+        elif test := TEST.match(line):
+            names[test[2]].append(test[1])
         elif golden := GOLDEN.match(line):
             names[golden[2]].append(f"golden {golden[1]}")
     return names

@@ -7,7 +7,12 @@ namespace {
 // The outline gives cuebot a line for a shell, in which it replaces words such as #IFRAME#. All that could be mistaken
 // stands in a script beside it.
 constexpr std::string_view outline = R"PY(
-for mark in glob.glob(os.path.join(glob.escape(os.path.dirname(task)), 'claims', 'never-*')):
+folder = os.path.dirname(os.path.abspath(__file__))
+# As the hosts see it.
+task = os.path.join(os.environ.get('CANDELA_FOLDER') or folder, 'task.sh')
+if any(sign in task for sign in '\n\r#'):
+    sys.exit("OpenCue's commands hold neither line breaks nor #: %r" % task)
+for mark in glob.glob(os.path.join(glob.escape(folder), 'claims', 'never-*')):
     os.remove(mark)  # what failed before is tried again by a new job
 job = outline.Outline(
     name, show=os.environ.get('SHOW', 'testing'), shot=os.environ.get('SHOT', 'test'), user=getpass.getuser())
@@ -52,22 +57,21 @@ Expected<std::vector<FarmFile>> opencue_files(const FarmJob& job) {
       "are\n"
       "# tried again as often as maxretries says; the layer check comes last and makes the film.\n";
   text +=
-      "import getpass\nimport glob\nimport os\nimport shlex\n\nimport outline\nimport outline.cuerun\nimport "
+      "import getpass\nimport glob\nimport os\nimport shlex\nimport sys\n\nimport outline\nimport "
+      "outline.cuerun\nimport "
       "outline.modules.shell\n\n";
   text += "name = " + python_quoted(job.name) + "\n";
-  text += "task = " + python_quoted(folder + "/task.sh") + "\n";
   text += fmt::format("shards = {}\nrounds = {}\n", job.shards, job.rounds);
   text += fmt::format("needs = {{'threads': {}, 'memory': '{}m'{}{}}}\n", job.needs.cpus, job.needs.memory_mb,
                       job.needs.gpus > 0 ? fmt::format(", 'gpus': {}", job.needs.gpus) : "",
                       job.needs.minutes > 0 ? fmt::format(", 'timeout': {}", job.needs.minutes) : "");
   text += outline;
   std::string script = "#!/bin/sh\n# A frame of job.py: a shard's number, or check.\n";
-  script += "folder=" + shell_quoted(folder) + "\n";
-  script += "work=" + shell_quoted(job.work.string()) + "\n";
-  script += "candela=" + shell_quoted(job.program) + "\n";
+  script += "folder=$(CDPATH= cd -- \"$(dirname -- \"$0\")\" && pwd) || exit 1\n";
+  script += path_settings(job);
   script += fmt::format("shards={}\n", job.shards);
-  script += "sequence() {  # OPTION...\n  \"$candela\" sequence \\\n" + argument_lines(job.arguments, "    ", " \\") +
-            "    \"$@\"\n}\n";
+  script += "sequence() {  # OPTION...\n  \"$candela\" sequence \"$scene\" \\\n" +
+            argument_lines(words_after_scene(job), "    ", " \\") + "    \"$@\"\n}\n";
   script += task;
   return std::vector<FarmFile>{{"job.py", text}, {"task.sh", script}};
 }

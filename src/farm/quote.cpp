@@ -57,11 +57,13 @@ std::string python_quoted(std::string_view text) {
   return quoted + "'";
 }
 
-std::string recipe_quoted(std::string_view word) {
-  std::string quoted;
-  for (const char c : shell_quoted(word)) quoted += c == '$' ? "$$" : std::string(1, c);
-  return quoted;
+std::string recipe_text(std::string_view text) {
+  std::string doubled;
+  for (const char c : text) doubled += c == '$' ? "$$" : std::string(1, c);
+  return doubled;
 }
+
+std::string recipe_quoted(std::string_view word) { return recipe_text(shell_quoted(word)); }
 
 std::string comment_text(std::string_view text) {
   std::string line(text);

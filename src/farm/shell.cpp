@@ -195,16 +195,14 @@ Expected<std::vector<FarmFile>> shell_file(const FarmJob& job) {
       "machine\n"
       "# too. Each takes free shards; the last to end makes the film. Run it again to go on.\n";
   text +=
-      "# Machines may see the folder under different names, and have the program elsewhere (CANDELA_PROGRAM).\n"
+      "# Machines may see the folder under different names, and have the program and the scene elsewhere\n"
+      "# (CANDELA_PROGRAM, CANDELA_SCENE).\n"
       "folder=$(CDPATH= cd -- \"$(dirname -- \"$0\")\" && pwd) || exit 1\n";
-  const std::filesystem::path work = job.work_from_folder();
-  text += work.is_absolute() ? "work=" + shell_quoted(work.string()) + "\n"
-                             : "work=$folder/" + shell_quoted(work.string()) + "\n";
-  text += "candela=${CANDELA_PROGRAM:-" + shell_quoted(job.program) + "}\n";
+  text += path_settings(job);
   text +=
       fmt::format("shards={}\nrounds={}  # how often a start of this script tries a shard\n", job.shards, job.rounds);
-  text += "sequence() {  # OPTION...\n  \"$candela\" sequence \\\n" + argument_lines(job.arguments, "    ", " \\") +
-          "    \"$@\"\n}\n";
+  text += "sequence() {  # OPTION...\n  \"$candela\" sequence \"$scene\" \\\n" +
+          argument_lines(words_after_scene(job), "    ", " \\") + "    \"$@\"\n}\n";
   text += shell_body;
   return std::vector<FarmFile>{{"job.sh", text}};
 }

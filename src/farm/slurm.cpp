@@ -25,18 +25,23 @@ Expected<std::string> option_line(const std::string& option) {
   return fmt::format("#SBATCH --{}={}{}{}\n", name, quote, value, quote);
 }
 
-// Where Slurm writes what it says of a task itself. It replaces %A in the whole path; a backslash keeps it from
-// replacing anything, and then all tasks write to one file.
-std::string log_pattern(const std::filesystem::path& folder) {
-  const bool backslash = folder.string().find('\\') != std::string::npos;
-  std::string escaped;
-  for (const char c : (folder / "logs").string())
-    escaped += (backslash ? c == '\\' : c == '%') ? std::string(2, c) : std::string(1, c);
-  return escaped + (backslash ? "/slurm.log" : "/slurm-%A_%a.log");
-}
+// Where this machine sees the job. In a task $0 is Slurm's copy of the file; sbatch hands CANDELA_FOLDER on to it.
+constexpr std::string_view slurm_folder = R"BASH(
+file=$(cd -- "$(dirname -- "$0")" && pwd)/$(basename -- "$0")
+folder=${CANDELA_FOLDER:-${file%/*}}
+if [[ -z ${CANDELA_FOLDER:-} && ! -e $folder/job.json ]]; then folder=$written_to; fi
+export CANDELA_FOLDER=$folder
+)BASH";
 
 // Behind the variables. Nothing in it depends on the job.
 constexpr std::string_view slurm_body = R"BASH(
+# What Slurm itself says of a task. It replaces %A in the whole path; a backslash keeps it from replacing anything, and
+# then all tasks write to one file.
+case $folder in
+  *\\*) slurm_log=${folder//\\/\\\\}/logs/slurm.log ;;
+  *) slurm_log=${folder//%/%%}/logs/slurm-%A_%a.log ;;
+esac
+
 say() { printf '%s\n' "$*" >&2; }
 
 # Submits the shards (1,2,3...) as arrays no longer than the cluster takes, and prints the numbers of the jobs.
@@ -52,7 +57,7 @@ submit_shards() {  # ROUND MEMORY_MB SHARDS SBATCH_OPTION...
     list=("${all[@]:at:most}")
     job=$(sbatch --parsable --array="0-$((${#list[@]} - 1))" --mem="${memory}M" --chdir="$folder" --requeue \
       --open-mode=append --output="$slurm_log" "$@" \
-      "$folder/job.sbatch" shard "$round" "$(IFS=,; printf '%s' "${list[*]}")") || return 1
+      "$file" shard "$round" "$(IFS=,; printf '%s' "${list[*]}")") || return 1
     printf '%s\n' "${job%%;*}"
   done
 }
@@ -62,7 +67,7 @@ submit_check() {  # ROUND JOB...
   local round=$1 IFS=:
   shift
   sbatch --parsable --dependency="afterany:$*" --mem="${memory_mb}M" --chdir="$folder" --requeue \
-    --open-mode=append --output="$slurm_log" "$folder/job.sbatch" check "$round"
+    --open-mode=append --output="$slurm_log" "$file" check "$round"
 }
 
 submit() {
@@ -154,13 +159,13 @@ Expected<std::vector<FarmFile>> slurm_file(const FarmJob& job) {
     text += *line;
   }
   text += "set -euo pipefail\n\n";
-  text += "folder=" + shell_quoted(job.folder.string()) + "\n";
-  text += "slurm_log=" + shell_quoted(log_pattern(job.folder)) + "\n";
-  text += "work=" + shell_quoted(job.work.string()) + "\n";
-  text += "candela=" + shell_quoted(job.program) + "\n";
+  text += "# CANDELA_FOLDER, CANDELA_PROGRAM and CANDELA_SCENE say where the nodes see these, if elsewhere.\n";
+  text += "written_to=" + shell_quoted(job.folder.string());
+  text += slurm_folder;
+  text += path_settings(job);
   text += fmt::format("shards={}\nrounds={}  # how often a shard is tried\nmemory_mb={}\n", job.shards, job.rounds,
                       job.needs.memory_mb);
-  text += "sequence=(\n" + argument_lines(job.arguments, "  ", "") + ")\n";
+  text += "sequence=(\"$scene\"\n" + argument_lines(words_after_scene(job), "  ", "") + ")\n";
   text += slurm_body;
   return std::vector<FarmFile>{{"job.sbatch", text}};
 }

@@ -1,4 +1,7 @@
 #pragma once
+#include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "farm/farm_job.h"
@@ -10,6 +13,12 @@ struct FarmFile {
   std::string name;  // in the job's folder
   std::string text;
 };
+// Assignments of sh and bash that set work, candela and scene, each as CANDELA_PROGRAM or CANDELA_SCENE says where that
+// is set, so that machines may mount them elsewhere. $folder is set before.
+std::string path_settings(const FarmJob& job, std::string_view end = "\n");
+// The words behind the scene.
+std::span<const std::string> words_after_scene(const FarmJob& job);
+
 // job.sbatch: a file for sbatch that is also a shell script. It submits arrays over the shards and behind them a task
 // that looks whether all frames are there, submits what is not, and makes the film.
 Expected<std::vector<FarmFile>> slurm_file(const FarmJob& job);

@@ -1,4 +1,4 @@
-"""The jobs of docs/using/goldens.md for GitHub Actions and GitLab CI: they are YAML of the shape that these read, and their
+"""The jobs of docs/using/goldens.md for GitHub Actions and GitLab CI, and the action and the template in packaging/ci: they are YAML of the shape that these read, and their
 shell steps pass in a repository whose pictures are as they were, and end with exit 1 when one changed. Stand-ins take
 the place of apt-get and of Debian's list of sources; candela is the one built here."""
 import pathlib
@@ -115,6 +115,34 @@ class Examples(unittest.TestCase):
         for path in goldens["artifacts"]["paths"]:
             self.assertIn(path, files)
         self.assertEqual(len(junit.find("testsuite").findall("testcase")), 1)
+
+    def same_steps(self, run, variables, example):
+        """With variables filled in, but for the folder of the package: what is run in the tests of the examples."""
+        for name, value in variables.items():
+            run = [line.replace(f'"${name}"', value).replace(f"${name}", value) for line in run]
+        self.assertEqual([line.replace("tools/candela/", "tools/") for line in run], example)
+
+    def test_github_action(self):
+        """A composite action, whose steps get inputs by variables of their own."""
+        action = yaml.safe_load((ROOT / "packaging/ci/action.yml").read_text())
+        self.assertEqual(action["runs"]["using"], "composite")
+        self.assertTrue(action["name"] and action["description"])
+        inputs = {f"${{{{ inputs.{name} }}}}": of["default"] for name, of in action["inputs"].items()}
+        steps = action["runs"]["steps"]
+        variables = {}
+        for step in steps:
+            self.assertEqual(len({"run", "uses"} & step.keys()), 1, step)
+            self.assertEqual("run" in step, "shell" in step, "a composite action names the shell of each run")
+            variables.update({name: inputs[value] for name, value in step.get("env", {}).items()})
+        self.assertEqual((steps[-1]["if"], inputs[steps[-1]["with"]["path"]]), ("always()", variables["REPORT"]))
+        self.same_steps([step["run"] for step in steps if "run" in step], variables,
+                        [step["run"] for step in example("GitHub Actions")["jobs"]["goldens"]["steps"] if "run" in step])
+
+    def test_gitlab_template(self):
+        goldens = yaml.safe_load((ROOT / "packaging/ci/gitlab.yml").read_text())[".candela-goldens"]
+        of_page = example("GitLab CI")["goldens"]
+        self.same_steps(goldens["script"], goldens["variables"], of_page["script"])
+        self.assertEqual((goldens["image"], goldens["artifacts"]), (of_page["image"], of_page["artifacts"]))
 
 
 if __name__ == "__main__":

@@ -24,6 +24,7 @@ the folder shared/flip is absent
 [  SKIPPED ] Flip.Pairs
 [  SKIPPED ] HdrFlip.Pairs
 real-fox: skipped: the assets folder is not here
+test package_container: skipped: no package in out/package (./run package)
 """
 
 
@@ -31,7 +32,8 @@ class Skipped(unittest.TestCase):
     def test_each_once_by_its_reason(self):
         self.assertEqual(dict(skipped.skipped(LOG.splitlines(True))),
                          {"the folder shared/flip is absent": ["Flip.Pairs", "HdrFlip.Pairs"],
-                          "the assets folder is not here": ["golden real-fox"]})
+                          "the assets folder is not here": ["golden real-fox"],
+                          "no package in out/package (./run package)": ["package_container"]})
 
     def test_nothing_where_all_ran(self):
         self.assertEqual(dict(skipped.skipped(["[       OK ] Flip.Formula (3 ms)\n"])), {})

@@ -199,25 +199,37 @@ class Engines(FolderTest):
         (package / "modules" / "shell.py").write_text("from outline import Layer as Shell\n")
         ended = run([sys.executable, folder / "job" / "job.py"], env={**os.environ, "PYTHONPATH": package.parent})
         self.assertEqual(0, ended.returncode, ended.stderr)
+        self.assertNotIn(str(folder), (folder / "job/job.py").read_text().split("import getpass")[1])
+        self.assertNotIn(str(folder), (folder / "job/task.sh").read_text())
         lines = [line.split(" ", 1)[1] for line in ended.stdout.splitlines()]
         needs = "{'threads': 3, 'memory': '700m'}"
         self.assertEqual([f"frames {i} {'33 0' if i == 2 else '0'} {needs}" for i in range(1, 6)] + ["check 1 0 {}"], lines)
         self.compare(folder, name)
 
-    def test_shell_where_the_folder_is_mounted_elsewhere(self):
-        """No path of the machine that wrote the job is needed, and the frames are the same."""
-        here, there = self.base / "here", self.base / "there"
-        here.mkdir()
+    def mounted_elsewhere(self, engine, command):
+        """No path of the machine that wrote the job is needed, and all frames and the film are there."""
+        here, there = self.base / f"here-{engine}", self.base / f"there-{engine} $x"
+        (here / "film").mkdir(parents=True)
         shutil.copy(scene("unlit-box"), here / "box.glb")
         film = ["--frames", "0-2", "--size", SIZE, "--device", "cpu", "--quiet"]
-        candela("farm", "shell", "box.glb", *film, "-o", "out/%d.exr", "--video", "film.mkv", "--video-codec", "ffv1",
-                "--shards", "2", "--job", "job", "--program", "/nowhere/candela", cwd=here)
+        candela("farm", engine, here / "box.glb", *film, "-o", "out/%d.exr", "--video", "film.mkv", "--video-codec",
+                "ffv1", "--shards", "2", "--job", "job", "--program", "/nowhere/candela", cwd=here / "film")
         here.rename(there)
-        ended = run(["sh", there / "job/job.sh"], env={**os.environ, "CANDELA_PROGRAM": program()})
+        own = {"CANDELA_PROGRAM": program(), "CANDELA_SCENE": str(there / "box.glb")}
+        for left_out in own:
+            self.assertNotEqual(0, run([*command, there / "film/job"], env={**os.environ, **own, left_out: ""}).returncode)
+        ended = run([*command, there / "film/job"], env={**os.environ, **own})
         self.assertEqual(0, ended.returncode, ended.stderr)
-        self.assertTrue(self.status(there / "job")["complete"])
-        self.assertEqual(3, len(contents(there / "out", ".exr")))
-        self.assertTrue((there / "film.mkv").is_file())
+        self.assertTrue(self.status(there / "film/job")["complete"])
+        self.assertEqual(3, len(contents(there / "film/out", ".exr")))
+        self.assertTrue((there / "film/film.mkv").is_file())
+        return there / "film"
+
+    def test_make_where_the_folder_is_mounted_elsewhere(self):
+        self.mounted_elsewhere("make", ["make", "-k", "-f", "job.mk", "-C"])
+
+    def test_shell_where_the_folder_is_mounted_elsewhere(self):
+        there = self.mounted_elsewhere("shell", ["sh", "-c", 'exec sh "$0"/job.sh'])
         (there / "out/1.exr").write_bytes((there / "out/0.exr").read_bytes())  # a whole file, of another frame
         (there / "out/2.exr").unlink()
         ended = run([program(), "farm", "check", there / "job"])

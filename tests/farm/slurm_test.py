@@ -141,6 +141,29 @@ class Slurm(FolderTest):
         self.finish("a job whose disk was full")
         same(contents(self.plain, ".exr"), contents(folder / "out"), self.logs(job))
 
+    def test_paths_are_settings_of_the_job(self):
+        """The folder, the program and the scene are elsewhere than where the job was written."""
+        here, there = self.base / "here", self.base / "there"
+        (here / "film").mkdir(parents=True)
+        shutil.copy(self.scene, here / "scene.glb")
+        candela("farm", "slurm", here / "scene.glb", "--frames", "0-3", "--size", SIZE, "--device", "cpu", "-o",
+                "out/%04d.exr", "--shards", "2", "--job", "job", "--program", "/nowhere/candela", "--quiet",
+                "--memory-mb", "600", "--cpus", "1", cwd=here / "film")
+        here.rename(there)
+        for name in ("by-place", "by-setting"):
+            job = there / "film/job" / "job.sbatch"
+            own = {"CANDELA_PROGRAM": program(), "CANDELA_SCENE": there / "scene.glb"}
+            if name == "by-setting":  # where the host that submits sees another path than the nodes
+                shutil.rmtree(there / "film/out")
+                shutil.copy(job, self.base / "job.sbatch")
+                job, own["CANDELA_FOLDER"] = self.base / "job.sbatch", there / "film/job"
+            ended = run(["bash", job], env={**self.cluster.environment, **{key: str(own[key]) for key in own}})
+            self.assertEqual(0, ended.returncode, ended.stderr)
+            self.finish(name)
+            self.assertTrue(self.status(there / "film/job")["complete"], self.logs(there / "film/job"))
+            expected = {frame: data for frame, data in contents(self.plain, ".exr").items() if frame < "0004"}
+            self.assertEqual(sorted(expected), sorted(contents(there / "film/out")))
+
     def test_what_ends_alike_everywhere_is_not_tried_again(self):
         folder = self.base / "never"
         folder.mkdir()

@@ -26,7 +26,7 @@ holds() {  # PREFIX FILE...
   for file; do [[ -s $prefix/$file ]] || broken "$prefix: no $file"; done
 }
 everywhere=(bin/candela share/man/man1/candela.1 share/man/man1/candela-render.1 share/bash-completion/completions/candela
-  share/fish/vendor_completions.d/candela.fish share/candela/schemas/look.schema.json share/doc/candela/README.md
+  share/fish/vendor_completions.d/candela.fish share/candela/schemas/look.schema.json share/candela/ci/{action,gitlab}.yml share/doc/candela/README.md
   share/doc/candela/LICENSE share/doc/candela/copyright share/doc/candela/docs/using/look.md)
 if command -v dpkg-query >/dev/null; then
   everywhere+=(share/doc/candela/licences/{libopenexr-dev,libwebp-dev,libzstd-dev,libtbb-dev,nlohmann-json3-dev,libcli11-dev,glslang-dev,libstdc++6,Apache-2.0}.txt)

@@ -234,7 +234,7 @@ void add_run_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   add_strict_option(command, o);
   if (renderer == Renderer::gpu)
     command.add_flag("--allow-blank", o.allow_blank, "Let a frame in which nothing is drawn pass --strict");
-  command.add_option("--config", o.config, "Options from an INI or TOML file; the command line goes first")
+  command.add_option("--config", o.config, "Options from an INI or TOML file; the command line overrides it")
       ->type_name("FILE");
   command.add_flag("--quiet", o.quiet, "Only warnings and errors on stderr");
   command.add_flag("--verbose", o.verbose, "More on stderr");

@@ -70,7 +70,7 @@ void trace(Truth& truth, const ReferenceFrame& frame, const Job& job, uint64_t s
     saved_us = process_clock_us();
     if (file.empty() || film.samples() == kept) return;
     if (auto saved = film.save(file, identity); !saved)
-      log::warning("the reference is not kept: {}", saved.error().text());
+      log::warning("the traced reference could not be saved for the next run: {}", saved.error().text());
   };
   const double began_us = process_clock_us();
   if (kept < limits.spp)

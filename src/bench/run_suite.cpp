@@ -219,10 +219,9 @@ void SuiteRun::open_all() {
     keep_or_close(i);
   }
   if (reopened_ > 0)
-    result_.notes.push_back(
-        fmt::format("{} of {} configurations were reopened for every sample: {}", reopened_, open_ + reopened_,
-                    items_.front().suite->sampling.max_sessions > 0 ? "max_sessions says so"
-                                                                    : "the device does not hold all at once"));
+    result_.notes.push_back(fmt::format(
+        "{} of {} configurations were reopened for every sample: {}", reopened_, open_ + reopened_,
+        items_.front().suite->sampling.max_sessions > 0 ? "of max_sessions" : "the device does not hold all at once"));
 }
 
 // All that want more runs; beyond the budget only those that lack their least number.

@@ -175,7 +175,7 @@ Expected<int> run_errors(const BenchOptions& o) {
         const std::string text =
             bench_json(with_source(so_far)).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
         if (auto written = write_file_atomically(rows, std::string_view(text)); !written)
-          log::warning("the rows so far are not kept: {}", written.error().text());
+          log::warning("the rows measured so far could not be saved: {}", written.error().text());
       });
   if (!run) return std::unexpected(run.error());
   if (run->rows.empty() && !run->stopped)
@@ -448,7 +448,9 @@ Expected<int> run_exactness(const BenchOptions& o) {
       return std::unexpected(written.error());
   if (o.json != "-")
     if (auto printed = print(rows_text(*report)); !printed) return std::unexpected(printed.error());
-  if (report->pictures == 0) return fail(ErrorKind::usage, "--count", "nothing was compared");
+  if (report->pictures == 0)
+    return fail(ErrorKind::usage, "--count",
+                "no picture was compared: the run stopped before the first, or --count is 0");
   return report->differing_pixels > 0 ? int(ErrorKind::comparison) : 0;
 }
 

@@ -51,7 +51,8 @@ Expected<std::vector<double>> time_list(const BenchOptions& o) {
     if (!frames) return std::unexpected(Error{ErrorKind::usage, frames.error().message, "--frames"});
     constexpr size_t most = 100'000;
     if (frames->size() > most)
-      return fail(ErrorKind::usage, "--frames", "{} are more than the {} that bench measures", frames->size(), most);
+      return fail(ErrorKind::usage, "--frames", "{} frames are more than the {} that bench measures", frames->size(),
+                  most);
     for (const int64_t frame : *frames) list.push_back(rate->seconds(frame));
     return list;
   }
@@ -403,7 +404,7 @@ Expected<StillnessOptions> stillness_of(const BenchOptions& o) {
     std::erase_if(options.places, [&](const StillnessPlace& place) {
       return std::ranges::none_of(split(o.only, ','), [&](const auto& part) { return place.scene.contains(part); });
     });
-  if (options.places.empty()) return fail(ErrorKind::usage, "--only", "no place is of such a scene");
+  if (options.places.empty()) return fail(ErrorKind::usage, "--only", "stillness has no such scene");
   if (suite.techniques.size() > 1 || suite.sizes.size() > 1)
     return fail(ErrorKind::usage, "--suite", "stillness takes one technique and one size");
   if (!suite.techniques.empty()) options.technique = suite.techniques.front().name;

@@ -179,7 +179,7 @@ const std::string& command_line() { return started_with(); }
 
 namespace {
 int run_all(int argc, char** argv) {
-  CLI::App app("Renders frame N of a glTF scene without a window, and tells what every pass cost.", "candela");
+  CLI::App app("Renders frames of glTF scenes without a window, and says what each pass cost.", "candela");
   try {
     return parse_and_run(app, argc, argv);
   } catch (...) {

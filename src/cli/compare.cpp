@@ -120,7 +120,7 @@ Expected<std::vector<Plane>> shown_planes(const std::string& file) {
   const auto image = read_image(file);
   if (!image) return std::unexpected(image.error());
   auto planes = display_planes(*image, encoding_of(file));
-  if (planes.size() != 3) return fail(ErrorKind::input, file, "has no colour to show");
+  if (planes.size() != 3) return fail(ErrorKind::input, file, "has no colour channels to show");
   return planes;
 }
 

@@ -121,7 +121,8 @@ Expected<FarmJob> farm_job(CLI::App& command, FarmOptions& o, const std::set<std
   if (auto good = check_sequence(*settings); !good) return std::unexpected(good.error());
   job.shards = o.shards > 0 ? o.shards : shards_for(settings->frames.size());
   if (size_t(job.shards) > settings->frames.size())
-    return fail(ErrorKind::usage, "--shards", "{} are more than the {} frames", job.shards, settings->frames.size());
+    return fail(ErrorKind::usage, "--shards", "{} shards are more than the {} frames", job.shards,
+                settings->frames.size());
   return job;
 }
 

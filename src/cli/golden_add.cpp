@@ -27,7 +27,7 @@ Expected<std::string> named_from(const fs::path& file, const fs::path& home, con
   const fs::path relative = whole.lexically_relative(folder);
   if (relative.empty() || *relative.begin() == "..")
     return fail(ErrorKind::usage, option,
-                "{} does not lie in {}, from where a golden names its files; put it there, or choose another --root",
+                "{} is not below {}, where a golden's files have to be; move it there, or choose another --root",
                 file.string(), folder.string());
   return relative.generic_string();
 }
@@ -85,11 +85,12 @@ Expected<int> run_add(CLI::App& command, AddOptions& o) {
     return fail(ErrorKind::usage, "--format", "'{}' is neither png nor exr", o.format);
   const std::string name = o.name.empty() ? default_name(o) : o.name;
   if (name.empty() || name.find('/') != std::string::npos || name.starts_with('.'))
-    return fail(ErrorKind::usage, "--name", "'{}' is no name of a folder", name);
+    return fail(ErrorKind::usage, "--name", "'{}' cannot be the name of a folder", name);
   const fs::path root = fs::absolute(o.root).lexically_normal(), folder = root / name;
   std::error_code failed;
   if (fs::exists(folder / "golden.json", failed))
-    return fail(ErrorKind::usage, "--name", "there is a golden {} already; give another, or `candela golden update`",
+    return fail(ErrorKind::usage, "--name",
+                "there is a golden {} already; give another name, or keep its new picture with `candela golden update`",
                 name);
   const auto manifest = manifest_of(o, *job, *moment, root.parent_path());
   if (!manifest) return std::unexpected(manifest.error());

@@ -143,7 +143,10 @@ Expected<std::vector<GoldenManifest>> read_goldens(const fs::path& root, const f
     if (fs::exists(entry->path() / "golden.json") &&
         entry->path().filename().string().find(filter) != std::string::npos)
       folders.push_back(entry->path());
-  if (failed) return fail(ErrorKind::input, root.string(), "cannot be read: {}", failed.message());
+  if (failed)
+    return fail(ErrorKind::input, root.string(),
+                "cannot be read: {}; name the folder of goldens with --root, or make one with candela golden add",
+                failed.message());
   std::sort(folders.begin(), folders.end());
   std::vector<GoldenManifest> goldens;
   for (const fs::path& folder : folders) {

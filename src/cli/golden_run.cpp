@@ -28,7 +28,8 @@ Expected<GoldenDevice> render_golden(const GoldenManifest& golden, const RunSett
   auto frame = (*session)->render(golden.time_s);
   if (!frame) return std::unexpected(frame.error());
   if (const std::string blank = blank_warning(*frame, job, (*session)->scene()); !blank.empty() && !allow_blank)
-    return fail(ErrorKind::input, golden.name, "{}; a golden of nothing guards nothing (--allow-blank)", blank);
+    return fail(ErrorKind::input, golden.name, "{}; an empty picture guards nothing (--allow-blank keeps it anyway)",
+                blank);
   if (auto written = write_outputs(*frame, job, **session, golden.frame, golden.rate, {picture}); !written)
     return std::unexpected(written.error());
   const gpu::DeviceInfo& device = (*session)->device().info();

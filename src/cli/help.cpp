@@ -15,7 +15,7 @@ constexpr const char* exit_codes =
     "Exit codes: 0 fine; 1 a comparison failed; 2 usage; 3 input (scene or file); 4 device or driver; 5 output could "
     "not be\n"
     "written; 6 out of memory; 7 the image holds non-finite pixels. Data goes to stdout, log and progress to stderr.\n"
-    "An option can also stand in the environment: CANDELA_DEVICE=cpu is --device cpu. The command line goes first.";
+    "An option can also be set in the environment: CANDELA_DEVICE=cpu is --device cpu. The command line overrides it.";
 
 // In the order of the help. What stands in none is the command's own.
 const std::vector<std::pair<std::string, std::vector<std::string>>>& groups() {

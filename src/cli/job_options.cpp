@@ -234,7 +234,7 @@ void add_run_options(CLI::App& command, JobOptions& o, Renderer renderer) {
   add_strict_option(command, o);
   if (renderer == Renderer::gpu)
     command.add_flag("--allow-blank", o.allow_blank, "Let a frame in which nothing is drawn pass --strict");
-  command.add_option("--config", o.config, "Options from an INI or TOML file; the command line goes first")
+  command.add_option("--config", o.config, "Options from an INI or TOML file; the command line overrides it")
       ->type_name("FILE");
   command.add_flag("--quiet", o.quiet, "Only warnings and errors on stderr");
   command.add_flag("--verbose", o.verbose, "More on stderr");
@@ -389,7 +389,7 @@ Expected<std::optional<float>> exposure_of(const std::string& text) {
   float value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size())
-    return fail(ErrorKind::usage, "--exposure", "'{}' is no number of stops; write -1.5, or auto", text);
+    return fail(ErrorKind::usage, "--exposure", "'{}' is not a number of stops; write -1.5, or auto", text);
   return std::optional(value);
 }
 
@@ -455,7 +455,8 @@ Expected<Job> job_of(const JobOptions& o) {
 }
 
 Expected<RunSettings> run_settings_of(const JobOptions& o) {
-  if (!(o.timeout_s > 0)) return fail(ErrorKind::usage, "--timeout", "{} s is no time to wait", o.timeout_s);
+  if (!(o.timeout_s > 0))
+    return fail(ErrorKind::usage, "--timeout", "{} s is not a time to wait; give more than 0", o.timeout_s);
   std::error_code failed;
   if (!o.shader_folder.empty() && !std::filesystem::is_directory(o.shader_folder, failed))
     return fail(ErrorKind::usage, "--shader-dir", "'{}' is not a folder", o.shader_folder);

@@ -76,7 +76,10 @@ Expected<int> print_help(const CLI::App& app, const ManualOptions& o) {
     prefix += (prefix.empty() ? "" : " ") + at->get_name();
     at = next;
   }
-  if (auto printed = print(at->help(prefix)); !printed) return std::unexpected(printed.error());
+  // CLI11's help() of the program is that of the command that was parsed, here `help` itself.
+  const std::string text =
+      at == &app ? app.get_formatter()->make_help(&app, app.get_name(), CLI::AppFormatMode::Normal) : at->help(prefix);
+  if (auto printed = print(text); !printed) return std::unexpected(printed.error());
   return 0;
 }
 

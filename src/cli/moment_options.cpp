@@ -47,8 +47,8 @@ Expected<std::string> with_all_frames(const std::string& frames, const Job& job,
   const double last = std::floor(end_s * double(rate->numerator) / double(rate->denominator) + 1e-6);
   constexpr double most = 9'999'999;
   if (last > most)
-    return fail(ErrorKind::usage, "--frames", "all is {:.0f} frames at {} a second; write a list of fewer", last + 1,
-                fps);
+    return fail(ErrorKind::usage, "--frames",
+                "all would be {:.0f} frames at {} a second; list fewer, for example 0-249", last + 1, fps);
   return fmt::format("0-{}", int64_t(last));
 }
 

@@ -113,7 +113,7 @@ std::shared_ptr<PlanOptions> add_common(CLI::App& command, Renderer renderer) {
   add_job_options(command, o->job, renderer);
   add_moment_options(command, o->moment);
   add_strict_option(command, o->job);
-  command.add_option("--config", o->job.config, "Options from an INI or TOML file; the command line goes first")
+  command.add_option("--config", o->job.config, "Options from an INI or TOML file; the command line overrides it")
       ->type_name("FILE");
   command.add_flag("--quiet", o->job.quiet, "Only warnings and errors on stderr");
   command.add_flag("--verbose", o->job.verbose, "More on stderr");

@@ -179,7 +179,7 @@ Expected<Traced> trace(const ReferencePlan& plan, const ReferenceOptions& o, con
     if (!loaded) return std::unexpected(loaded.error());
     loaded->place_in(film.picture(), film.corner());
     film = std::move(*loaded);
-    log::info("goes on after {} samples a pixel", film.samples());
+    log::info("continues after {} samples a pixel", film.samples());
   }
   auto moments = TracedMoments::open(frame, plan.job, plan.request);
   if (!moments) return std::unexpected(moments.error());

@@ -105,7 +105,7 @@ Expected<std::vector<Moment>> moments_of(const RenderOptions& o) {
   if (!rate) return std::unexpected(Error{ErrorKind::usage, rate.error().message, "--fps"});
   constexpr size_t most = 100'000;
   if (frames->size() > most)
-    return fail(ErrorKind::usage, "--frames", "{} are more than the {} that render makes; candela sequence makes films",
+    return fail(ErrorKind::usage, "--frames", "{} frames are more than the {} that render makes; use candela sequence",
                 frames->size(), most);
   std::vector<Moment> moments;
   for (const int64_t frame : *frames) moments.push_back({frame, *rate, rate->seconds(frame)});

@@ -52,11 +52,11 @@ Expected<void> check_options(const SequenceOptions& o) {
   const auto refuse = [](const char* option, const char* why) {
     return fail(ErrorKind::usage, "--devices", "does not go with {}: {}", option, why);
   };
-  if (!o.job.device.empty()) return refuse("--device", "both say where frames are made");
+  if (!o.job.device.empty()) return refuse("--device", "both choose the device");
   if (!o.video.empty())
     return refuse("--video",
                   "a film is made by one process, in order; write PNG files, and make it of them by candela film");
-  if (!o.timings.empty() || !o.trace.empty()) return refuse("--timings and --trace", "they are of one device");
+  if (!o.timings.empty() || !o.trace.empty()) return refuse("--timings and --trace", "they describe one device");
   return {};
 }
 

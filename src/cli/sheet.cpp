@@ -33,7 +33,7 @@ Expected<SheetPicture> picture_of(const std::string& file, const std::optional<R
   }
   SheetPicture picture{display_planes(*image, encoding_of(file)), image->width, image->height,
                        fs::path(file).stem().string()};
-  if (picture.planes.size() != 3) return fail(ErrorKind::input, file, "has no colour to show");
+  if (picture.planes.size() != 3) return fail(ErrorKind::input, file, "has no colour channels to show");
   if (const Channel* alpha = image->find("A"); alpha && alpha->type != ChannelType::uint32) {
     picture.alpha = alpha->f;
     for (float& a : picture.alpha) a = a > 0 ? std::min(a, 1.0f) : 0.0f;
@@ -49,7 +49,7 @@ Expected<int> run_sheet(const SheetOptions& o) {
     return fail(ErrorKind::usage, "-o", "'{}' does not end in .png", o.output);
   const auto tile = parse_size(o.tile);
   if (!tile || tile->first < 8 || tile->second < 8 || tile->first > 16384 || tile->second > 16384)
-    return fail(ErrorKind::usage, "--tile", "'{}' is no size from 8x8 to 16384x16384", o.tile);
+    return fail(ErrorKind::usage, "--tile", "'{}' is not a size from 8x8 to 16384x16384", o.tile);
   std::optional<Region> region;
   if (!o.crop.empty()) {
     const auto read = parse_region(o.crop);

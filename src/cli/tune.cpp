@@ -99,7 +99,7 @@ Expected<int> run_tune(CLI::App& command, TuneCommand& o) {
   if (auto read = read_config(command, o.job.config); !read) return std::unexpected(read.error());
   set_log_level(o.job);
   if (!(o.seconds > 0) || !std::isfinite(o.seconds))
-    return fail(ErrorKind::usage, "--seconds", "{} s is no time to search", o.seconds);
+    return fail(ErrorKind::usage, "--seconds", "{} s is not a time to search; give more than 0", o.seconds);
   for (const char* option : {"--technique", "--quality", "--set", "--samples"})
     if (command.get_option(option)->count() > 0)
       return fail(ErrorKind::usage, option, "is what tune looks for; leave it out");

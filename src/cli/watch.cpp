@@ -157,7 +157,7 @@ class Watch {
         changes.scene = true, changes.names.push_back(look.filename().string());
       }
     if (!changes.any()) {
-      if (!refused_.empty()) log::info("as it was again: the picture stands");
+      if (!refused_.empty()) log::info("the file is as before again: the picture stays");
       refused_.clear();
       return {};
     }

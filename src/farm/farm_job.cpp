@@ -108,7 +108,10 @@ Expected<FarmJob> read_farm_job(const fs::path& folder) {
   std::error_code failed;
   const fs::path file = farm_job_file(folder);
   if (!fs::exists(file, failed))
-    return fail(ErrorKind::usage, "DIR", "'{}' is no folder of a farm job: it has no job.json", folder.string());
+    return fail(
+        ErrorKind::usage, "DIR",
+        "'{}' is not the folder of a farm job: it has no job.json (candela farm shell, make or slurm makes one)",
+        folder.string());
   const auto read = read_json_file(file);
   if (!read) return std::unexpected(read.error());
   FarmJob job;

@@ -68,7 +68,7 @@ Expected<RunRecord> read_record(const fs::path& file) {
     if (j.contains("error")) record.error = j.at("error");
     return record;
   } catch (const Json::exception& wrong) {
-    return fail(ErrorKind::input, file.string(), "is no record of a run: {}", wrong.what());
+    return fail(ErrorKind::input, file.string(), "is not the record of a run: {}", wrong.what());
   }
 }
 
@@ -155,7 +155,7 @@ void RunRecorder::write() {
   const std::string text = record_json(record_);
   const auto written = replace_file_atomically(file_, std::as_bytes(std::span(text)));
   if (written || std::exchange(warned_, true)) return;
-  log::warning("this run is not on record: {}", written.error().text());
+  log::warning("the record of this run could not be written: {}", written.error().text());
 }
 
 std::vector<RunRecord> read_run_records(const fs::path& folder) {

@@ -15,7 +15,7 @@ Expected<std::string> option_line(const std::string& option) {
   }) && name[0] != '-';
   const char quote = value.find('\'') == value.npos ? '\'' : '"';
   if (!named || value.find_first_of("\n\r\\") != value.npos || value.find(quote) != value.npos)
-    return fail(ErrorKind::usage, "--slurm", "'{}' is no option of sbatch; write NAME=VALUE, without the dashes",
+    return fail(ErrorKind::usage, "--slurm", "'{}' is not an option of sbatch; write NAME=VALUE, without the dashes",
                 comment_text(option));
   for (const char* ours : {"array", "chdir", "dependency", "error", "exclude", "job-name", "mem", "open-mode", "output",
                            "parsable", "requeue", "wrap"})

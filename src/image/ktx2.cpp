@@ -97,7 +97,7 @@ std::string check_notes(Bytes notes) {
     if (length > notes.size() - 4) return "its notes are truncated";
     const std::string_view note(reinterpret_cast<const char*>(notes.data()) + 4, length);
     const size_t end = note.find('\0');
-    if (end == std::string_view::npos) return "a note of it has no name";
+    if (end == std::string_view::npos) return "an entry of its metadata has no name";
     const std::string_view name = note.substr(0, end);
     std::string_view text = note.substr(end + 1);
     text = text.substr(0, text.find('\0'));

@@ -25,7 +25,7 @@ Job with_every_light(Job job, const std::string& reference) {
 }
 
 ChosenTechnique quickest_technique(bool is_cpu, bool int64_atomics) {
-  if (is_cpu) return {"clustered", "the device is a CPU, which rasterizes better than shaders on it do"};
+  if (is_cpu) return {"clustered", "the device is a CPU, where the driver rasterizes faster than shaders would"};
   if (!int64_atomics) return {"clustered", "the device has no 64-bit atomics, which visibility needs"};
   return {"visibility", "the device is a GPU, which shades in compute many times as fast"};
 }

@@ -23,7 +23,7 @@ struct FrameRate {
 };
 Expected<FrameRate> parse_frame_rate(const std::string& text);
 
-// What a picture reaches beyond the size that is shown: pixels on each side, or a percentage of the width on the left
+// How far a picture extends beyond its size: pixels on each side, or a percentage of the width on the left
 // and right and of the height above and below.
 struct Overscan {
   double amount = 0;
@@ -37,13 +37,13 @@ struct LightGroupRequest {
   std::string layer() const { return "light_" + name; }
   bool operator==(const LightGroupRequest&) const = default;
 };
-inline constexpr std::string_view other_lights = "rest";  // name of the group of lights that no other has
+inline constexpr std::string_view other_lights = "rest";  // group of all lights that are in no other
 
 // Everything that decides a picture, as a plain value. Written into EXR metadata as JSON, so that any frame can be made
 // again.
 struct Job {
   std::string scene;
-  std::string up = "y";           // axis of the file that points up (scene/up_axis.h); camera is of the turned world
+  std::string up = "y";           // axis of the file that points up (scene/up_axis.h); camera: after that turn
   std::string animation = "all";  // "auto", "all", "none", an index or a name (scene/pose.h)
   CameraRequest camera;
   int width_px = 1280, height_px = 720;
@@ -51,7 +51,7 @@ struct Job {
   Overscan overscan;
   int samples = 0;  // MSAA samples 1, 2, 4 or 8; 0: as the quality says
   std::string technique = "clustered";
-  std::string transparency = "sorted";  // how blended surfaces come over each other (candela list transparency)
+  std::string transparency = "sorted";  // method for blended surfaces (candela list transparency)
   std::string quality = "high";         // draft, normal, high, exact: levels of every knob
   std::vector<KnobSetting> settings;    // --set PASS.KNOB=VALUE, over the quality
   std::string effects = "auto";         // auto (by quality and look), none, or names separated by commas
@@ -59,10 +59,10 @@ struct Job {
   // either, the neutral one.
   std::string sky;
   std::string look;                // look file
-  std::vector<PathRequest> paths;  // before those of the look, which drive what these do not
+  std::vector<PathRequest> paths;  // a node that one of these drives ignores the look's path
   std::vector<InstancesRequest> instances;
-  std::string shading = "pbr";       // how surfaces answer light (scene/shading.h)
-  std::string cut_outs = "blended";  // blended materials that hide all or nothing (scene/cut_outs.h)
+  std::string shading = "pbr";       // reflection model (scene/shading.h)
+  std::string cut_outs = "blended";  // how blended materials of alpha 0 and 1 are drawn (scene/cut_outs.h)
   std::string sides = "auto";        // light from behind single-sided faces: block, open, or by the scene
   std::string variant;               // of materials, by its name in the file; empty: the default materials
   // Shutter and lens; absent: as the look says, else an instant and a pinhole (job/picture_camera.h).
@@ -70,13 +70,13 @@ struct Job {
   std::optional<double> f_stop;      // focal length over the diameter of the opening; 0: a pinhole
   std::optional<double> sensor_mm;   // height of the sensor
   std::string focus;                 // metres, inf, or the name of a node; empty: as the look says
-  std::optional<double> iso;         // with it f-stop, shutter and this speed say the exposure
+  std::optional<double> iso;         // if set, f-stop, shutter and this speed decide the exposure
   std::string probe;                 // a sphere before the camera: white, grey, chrome; empty: none
   std::optional<float> exposure_ev;  // absent: as the look says, else 0
   std::string tonemap;               // a curve (tonemap_names()); empty: as the look says, else agx
   std::vector<std::string> layers;   // beside beauty
   std::vector<LightGroupRequest> light_groups;
-  double motion_s = 1.0 / 24;              // of the layer motion: from the frame before, 1 / --fps
+  double motion_s = 1.0 / 24;              // of the layer motion: time since the frame before
   std::string view = "beauty";             // what PNG and video show: beauty, a layer, or debug.PASS.IMAGE[mip,layer]
   std::string background = "transparent";  // a colour or "R,G,B", where there is no sky (job/background.h)
   uint64_t seed = 0;
@@ -88,7 +88,7 @@ struct Job {
   bool timings_in_metadata = false;
   bool allow_nonfinite = false;
 };
-// Among the layers of a job that asks for all there are: those that this frame cannot have are left out, and no error.
+// As a layer's name: all layers that this frame can have; those that it cannot have are no error.
 inline constexpr std::string_view all_layers = "all";
 // Skies that --sky names without a file. auto: the look's; where the file has no light either, the studio.
 inline constexpr std::string_view auto_sky = "auto", studio_sky = "studio", neutral_sky = "neutral";
@@ -107,7 +107,7 @@ Expected<void> check_job(const Job& job);
 // Whether files of these layers keep what they must: Cryptomatte's ids are the bits of 32-bit floats, which some
 // compressions change.
 Expected<void> check_compression(const std::vector<std::string>& layers, ExrCompression compression);
-// The names of its motion files, whose contents count instead where pictures are told apart.
+// Clears the names of the job's motion files, so that its identity depends on their contents alone.
 void forget_motion_files(Job& job);
 // Identity of a frame's picture: the job, the scene's and the sky's content as hex digits, the device and the version.
 Hash128 frame_identity(const Job& job, const std::string& scene_content, const std::string& device, double time_s);
@@ -118,13 +118,13 @@ struct RunSettings {
   bool validate = false;
   std::string shader_folder;
   bool timed = false;
-  bool spans = false;  // of frames on the device, as they run in a film (Timings::spans); times are taken alone
+  bool spans = false;  // spans of frames on the device as they overlap in a film (Timings::spans)
   double timeout_s = 600;
-  std::string timeout_folder = {};  // in which a frame that takes longer leaves what shows why; empty: nowhere
-  std::string command = {};         // line that the process was started with, for that
+  std::string timeout_folder = {};  // where a frame that takes longer leaves what reproduces it; empty: nowhere
+  std::string command = {};         // command line of the process, written there too
   int queues = 2;                   // 1: no second queue, whatever the device has
-  // Memory for images that frames with the same content share, like shadow maps of what does not move; 0: every frame
-  // makes its own, and its times are those of all its work.
+  // Memory for images that frames share, such as shadow maps of what does not move; 0: every frame makes all of its
+  // images, and its times include that.
   uint64_t kept_bytes = 0;
   bool overlap = false;  // times the frame as a whole with both queues and with one (Timings::overlap)
 };

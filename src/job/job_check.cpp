@@ -52,10 +52,15 @@ Expected<void> check_shutter(const Job& job) {
   const auto is = [](const std::optional<double>& value, double above) {
     return !value || (std::isfinite(*value) && *value >= above);
   };
-  if (!is(job.shutter_s, 0)) return fail(ErrorKind::usage, "--shutter", "{} s is no time", *job.shutter_s);
-  if (!is(job.f_stop, 0)) return fail(ErrorKind::usage, "--fstop", "{} is no f-stop", *job.f_stop);
-  if (!is(job.sensor_mm, 1e-3)) return fail(ErrorKind::usage, "--sensor", "{} mm is no sensor", *job.sensor_mm);
-  if (!is(job.iso, 1e-3)) return fail(ErrorKind::usage, "--iso", "{} is no speed", *job.iso);
+  if (!is(job.shutter_s, 0))
+    return fail(ErrorKind::usage, "--shutter", "{} s is not an exposure time; it must be at least 0", *job.shutter_s);
+  if (!is(job.f_stop, 0))
+    return fail(ErrorKind::usage, "--fstop", "{} is not an f-stop; it must be at least 0", *job.f_stop);
+  if (!is(job.sensor_mm, 1e-3))
+    return fail(ErrorKind::usage, "--sensor", "{} mm is not the height of a sensor; it must be at least 0.001",
+                *job.sensor_mm);
+  if (!is(job.iso, 1e-3))
+    return fail(ErrorKind::usage, "--iso", "{} is not the speed of a sensor; it must be at least 0.001", *job.iso);
   return {};
 }
 
@@ -63,13 +68,13 @@ Expected<void> check_direction(const CameraRequest& camera) {
   const bool turns = camera.turn_s > 0, direction = camera.azimuth_deg || camera.elevation_deg || turns;
   const char* option = turns ? "--turntable" : camera.azimuth_deg ? "--azimuth" : "--elevation";
   if (camera.azimuth_deg && !std::isfinite(*camera.azimuth_deg))
-    return fail(ErrorKind::usage, "--azimuth", "{} is no angle", *camera.azimuth_deg);
+    return fail(ErrorKind::usage, "--azimuth", "{} is not an angle in degrees", *camera.azimuth_deg);
   if (camera.elevation_deg && !(std::abs(*camera.elevation_deg) <= 90))
     return fail(ErrorKind::usage, "--elevation", "{} is outside -90 to 90 degrees", *camera.elevation_deg);
   if (!(camera.turn_s >= 0) || !std::isfinite(camera.turn_s))
-    return fail(ErrorKind::usage, "--turntable", "a turn in {} s is none", camera.turn_s);
+    return fail(ErrorKind::usage, "--turntable", "{} s is not the duration of a turn", camera.turn_s);
   if (direction && (camera.eye || !camera.camera.empty()))
-    return fail(ErrorKind::usage, option, "frames the bounds; it does not go with --camera, --eye and --target");
+    return fail(ErrorKind::usage, option, "places the camera itself; it does not go with --camera, --eye and --target");
   if (camera.fit && camera.eye)
     return fail(ErrorKind::usage, "--fit", "places the camera itself; it does not go with --eye and --target");
   return {};

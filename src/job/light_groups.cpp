@@ -44,7 +44,8 @@ std::vector<std::string> light_group_layers(const Job& job) {
 Expected<void> check_light_groups(const std::vector<LightGroupRequest>& groups) {
   constexpr const char* option = "--light-groups";
   if (groups.size() + 1 > most_light_groups)
-    return fail(ErrorKind::usage, option, "{} groups are more than {}", groups.size(), most_light_groups - 1);
+    return fail(ErrorKind::usage, option, "{} groups are given; there may be at most {}", groups.size(),
+                most_light_groups - 1);
   std::set<std::string> names;
   for (const LightGroupRequest& group : groups) {
     const bool fine =
@@ -53,7 +54,8 @@ Expected<void> check_light_groups(const std::vector<LightGroupRequest>& groups) 
       return fail(ErrorKind::usage, option, "'{}' cannot be part of a layer's name; use letters, digits, _ and -",
                   group.name);
     if (group.name == other_lights)
-      return fail(ErrorKind::usage, option, "'{}' is the group of all lights that no other has", group.name);
+      return fail(ErrorKind::usage, option, "'{}' is the name of the group of all other lights; choose another",
+                  group.name);
     if (!names.insert(group.name).second) return fail(ErrorKind::usage, option, "'{}' is given twice", group.name);
   }
   return {};
@@ -72,8 +74,9 @@ Expected<std::vector<uint32_t>> light_group_of(const Job& job, const Scene& scen
         found = true;
         uint32_t& group = of_node[size_t(n)];
         if (group != rest && group != g)
-          return fail(ErrorKind::usage, "--light-groups", "the light of node '{}' is of two groups, {} and {}",
-                      node.name, job.light_groups[group].name, job.light_groups[g].name);
+          return fail(ErrorKind::usage, "--light-groups",
+                      "the light of node '{}' is in two groups, {} and {}; it may be in one", node.name,
+                      job.light_groups[group].name, job.light_groups[g].name);
         group = g;
       }
       if (!found)

@@ -40,7 +40,9 @@ Expected<PictureCamera> picture_camera(const Job& job, const Look& look) {
         job.focus == "inf" ? std::numeric_limits<double>::infinity() : number_of(job.focus);
     camera.lens->focus_m = metres.value_or(0);
     camera.lens->focus_node = metres ? "" : job.focus;
-    if (metres && !(*metres > 0)) return fail(ErrorKind::usage, "--focus", "{} m is not before the camera", job.focus);
+    if (metres && !(*metres > 0))
+      return fail(ErrorKind::usage, "--focus", "{} m is not in front of the camera; give a distance above 0",
+                  job.focus);
   }
   if (camera.lens && job.sensor_mm) camera.lens->sensor_mm = *job.sensor_mm;
   if (camera.lens && camera.lens->focus_m == 0 && camera.lens->focus_node.empty())
@@ -61,7 +63,8 @@ double camera_exposure_ev(double f_stop, double shutter_s, double iso) {
 Expected<double> parse_shutter(const std::string& text, double frame_s) {
   const auto wrong = [&] {
     return fail(ErrorKind::usage, "--shutter",
-                "'{}' is no shutter; write 180deg of 360 a frame, 1/48s, 0.02s, or a part of the frame from 0 to 1",
+                "'{}' is not an exposure time; write 180deg (360deg is a whole frame), 1/48s, 0.02s, or a part of the "
+                "frame from 0 to 1",
                 text);
   };
   const auto without = [&](std::string_view ending) {

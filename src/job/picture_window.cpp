@@ -40,7 +40,7 @@ Expected<void> check_window(const Job& job) {
     return fail(ErrorKind::usage, "--size", "{}x{} is outside 1x1 to {}x{}", job.width_px, job.height_px, max_side_px,
                 max_side_px);
   if (!(job.overscan.amount >= 0) || !std::isfinite(job.overscan.amount))
-    return fail(ErrorKind::usage, "--overscan", "{} is no number of pixels", job.overscan.amount);
+    return fail(ErrorKind::usage, "--overscan", "{} is not a number of pixels", job.overscan.amount);
   const PictureWindow w = picture_window(job);
   if (w.width_px > max_side_px || w.height_px > max_side_px)
     return fail(ErrorKind::usage, "--overscan", "the picture of {}x{} with overscan is {}x{}, more than {}x{}",
@@ -48,9 +48,10 @@ Expected<void> check_window(const Job& job) {
   if (!job.region) return {};
   const PixelRect& r = *job.region;
   if (r.width < 1 || r.height < 1)
-    return fail(ErrorKind::usage, "--region", "{}x{} pixels are none", r.width, r.height);
+    return fail(ErrorKind::usage, "--region", "{}x{} is an empty region; width and height must be at least 1", r.width,
+                r.height);
   if (!holds({0, 0, w.width_px, w.height_px}, w.part))
-    return fail(ErrorKind::usage, "--region", "{},{},{},{} reaches beyond the picture, which is of {}x{}{}", r.x, r.y,
+    return fail(ErrorKind::usage, "--region", "{},{},{},{} reaches beyond the picture, which is {}x{}{}", r.x, r.y,
                 r.width, r.height, job.width_px, job.height_px,
                 w.width_px > job.width_px ? fmt::format(" and reaches to {},{}", w.data.x, w.data.y) : "");
   return {};
@@ -81,7 +82,8 @@ Expected<Overscan> parse_overscan(const std::string& text) {
   if (error == std::errc{} && at + (o.percent ? 1 : 0) == end && o.amount >= 0 && std::isfinite(o.amount) &&
       (o.percent || o.amount == std::floor(o.amount)))
     return o;
-  return fail(ErrorKind::usage, "", "'{}' is no overscan; write pixels, for example 64, or a percentage, 10%", text);
+  return fail(ErrorKind::usage, "", "'{}' is not an overscan; write pixels, for example 64, or a percentage, 10%",
+              text);
 }
 
 Expected<LightGroupRequest> parse_light_group(const std::string& text) {
@@ -89,7 +91,7 @@ Expected<LightGroupRequest> parse_light_group(const std::string& text) {
   LightGroupRequest group;
   if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
     return fail(ErrorKind::usage, "",
-                "'{}' is no group of lights; write NAME=NODE,NODE with names of nodes, in which * "
+                "'{}' is not a group of lights; write NAME=NODE,NODE with names of nodes, in which * "
                 "stands for any letters",
                 text);
   group.name = text.substr(0, equals);

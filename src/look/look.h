@@ -120,7 +120,7 @@ struct AutoExposure {
   double min_ev = -16, max_ev = 16;
   bool operator==(const AutoExposure&) const = default;
 };
-// Values that the command line goes before.
+// Options of the command line replace these values.
 struct ExposureLook {
   std::optional<double> ev;  // stops; with automatic exposure on top of it
   std::optional<AutoExposure> automatic;
@@ -136,8 +136,8 @@ struct ToneMapping {
 // How surfaces near a point hide the sky from it. A ray that meets a surface at distance t is hidden by
 // saturate((radius - t) / (falloff * radius)): wholly up to (1 - falloff) radii, and beyond the radius not at all.
 struct Occlusion {
-  double radius_m = std::numeric_limits<double>::infinity();  // how far surfaces hide at all
-  double falloff = 0.6;  // of a radius, 0: a hard end there; 1: fades from the point on
+  double radius_m = std::numeric_limits<double>::infinity();  // farther surfaces hide nothing
+  double falloff = 0.6;  // part of the radius over which the effect fades; 0: a hard end
   double strength = 1;   // of the darkening, 0 to 1
   double hidden(double t_m) const {
     if (!(t_m < radius_m)) return 0;
@@ -154,10 +154,10 @@ struct ShadowLook {
   bool operator==(const ShadowLook&) const = default;
 };
 
-// Light of point and spot lights in the air, over the picture: along each of the camera's rays up to the first opaque
-// surface, the integral of phi I(d) p(cosine) e^(-tau d) e^(-tau s) C ds, where I(d) is a lamp's illuminance at
-// distance d, s the distance from the camera, p the phase function, and C either tau, as in air that scatters all that
-// it takes, or the lamp's own attenuation over its range, (1 - (d/range)^4), a metre.
+// Light of point and spot lights that the air scatters, added to the picture: along each camera ray up to the first
+// opaque surface, the integral of phi I(d) p(cosine) e^(-tau d) e^(-tau s) C ds. I(d) is a lamp's illuminance at
+// distance d, s the distance from the camera, p the phase function. C is tau (air that only scatters), or the lamp's
+// attenuation over its range, (1 - (d/range)^4), per metre.
 struct Volumetric {
   double phi = 1;
   double tau_per_m = 0.02;
@@ -166,17 +166,17 @@ struct Volumetric {
   bool operator==(const Volumetric&) const = default;
 };
 
-// Opaque and masked surfaces reflect each other: where a direction of the specular lobe meets one, its own light comes
-// from there, that of lamps and sky alone, in the place of the sky's. One reflection.
+// Opaque and masked surfaces reflect each other: where a direction of the specular lobe meets a surface, the light of
+// lamps and sky on that surface replaces the sky's light. There is only one reflection.
 struct ReflectionLook {
   bool operator==(const ReflectionLook&) const = default;
 };
 
-// An image of the scene about a point, taken once, that surfaces in the box reflect instead of the sky, as if what is
-// seen lay on the box's faces. World space, metres. The same for all times of a look.
+// An image of the scene in all directions from a point, taken once. Surfaces in the box reflect it instead of the sky,
+// as if everything in it lay on the box's faces. World space, metres; does not change over time.
 struct ReflectionProbe {
   glm::dvec3 position{0}, lowest{0}, highest{0};
-  double fade_m = 0.1;  // outside the box, over which the light gives way to what there is without
+  double fade_m = 0.1;  // distance outside the box over which the probe fades out
   double time_s = 0;    // of the scene that it shows
   bool operator==(const ReflectionProbe&) const = default;
 };
@@ -186,8 +186,8 @@ inline constexpr size_t most_motion_files = 1024;  // paths of a look, and insta
 // A thin lens: what lies off its plane of focus is blurred.
 struct LensLook {
   double f_stop = 2.8;     // focal length over the diameter of the opening
-  double focus_m = 0;      // along the view axis; infinity: far away; 0: not said
-  std::string focus_node;  // the plane goes through the node of this name; empty: focus_m says
+  double focus_m = 0;      // along the view axis; infinity: far away; 0: not given
+  std::string focus_node;  // the plane goes through the node of this name; empty: focus_m counts
   double sensor_mm = 24;   // height of the sensor, which with the field of view gives the focal length
   bool operator==(const LensLook&) const = default;
 };
@@ -197,7 +197,7 @@ struct ShutterLook {
   bool operator==(const ShutterLook&) const = default;
 };
 
-// What a look file says of the picture beside scene and job.
+// The contents of a look file.
 struct Look {
   std::optional<Fog> fog;
   std::vector<Fog> more_fog;  // media beside the first
@@ -211,14 +211,14 @@ struct Look {
   ToneMapping tone_mapping;
   ShadowLook shadows;
   std::optional<Volumetric> volumetric;
-  std::vector<ReflectionProbe> probes;  // smaller boxes first, which go before larger ones
+  std::vector<ReflectionProbe> probes;  // smaller boxes first, which take precedence
   std::optional<LensLook> lens;         // absent: a pinhole
   std::optional<ShutterLook> shutter;   // absent: an instant
   std::vector<PathRequest> paths;       // files from the look's folder; the same for all times
   std::vector<InstancesRequest> instances;
   bool operator==(const Look&) const = default;
 };
-// How many media there are to sum; 0 where the one that there is has closed forms, which know no turned box.
+// Number of media whose densities are summed; 0: a single medium without rotation, which has closed forms.
 inline size_t summed_fog(const Look& look) {
   return look.fog && (!look.more_fog.empty() || look.fog->turn_rad != 0) ? 1 + look.more_fog.size() : 0;
 }
@@ -231,7 +231,7 @@ inline bool fog_scatters(const Look& look) {
 inline bool fog_glows(const Look& look) {
   return any_fog(look, [](const Fog& f) { return f.emission_per_m != glm::dvec3(0); });
 }
-// What of it a picture shows, in words: "fog, bloom". Empty: nothing.
+// Names of what the look switches on: "fog", "bloom". Empty: nothing.
 std::vector<std::string> switched_on(const Look& look);
 
 // A look file is strict JSON (docs/using/look.md has the keys). Unknown and repeated keys, wrong types, and values that
@@ -242,8 +242,7 @@ std::vector<std::string> switched_on(const Look& look);
 // linear, step, or cubic: monotone pieces (Fritsch and Carlson, "Monotone Piecewise Cubic Interpolation", 1980), which
 // stay between their keys, so that values that are right at the keys are right between them.
 //
-// A look that was read once: frames evaluate it at their own times, in time that does not depend on how many keys there
-// are but for their bisection.
+// A look that was read once; each frame evaluates it at its own time, finding keys by bisection.
 class LookFile {
  public:
   struct Parsed;
@@ -253,7 +252,7 @@ class LookFile {
  private:
   std::shared_ptr<const Parsed> parsed_;
 };
-// Read and checked at the times of all keys.
+// Reads the file and checks it at the times of all keys.
 Expected<LookFile> read_look_file(const std::filesystem::path& file);
 Expected<Look> read_look(const std::filesystem::path& file, double time_s = 0);
 Expected<Look> look_from_json(const std::string& text, const std::string& place, double time_s = 0);
@@ -270,7 +269,7 @@ struct LookKey {
   std::string name, help;
   Kind kind = Kind::number;
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
-  bool above_low = false;            // low itself is outside
+  bool above_low = false;            // low itself is not allowed
   size_t least = 0, most = 0;        // of numbers: how many
   std::vector<std::string> choices;  // of text
   bool fixed = false;                // the same at all times

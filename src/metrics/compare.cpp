@@ -65,7 +65,8 @@ std::string finiteness_refusal(const FloatImage& reference, const FloatImage& te
 
 std::string refusal_of(const FloatImage& a, const FloatImage& b, size_t& nonfinite_in_both) {
   if (a.width != b.width || a.height != b.height)
-    return fmt::format("the sizes differ: {}x{} and {}x{}", a.width, a.height, b.width, b.height);
+    return fmt::format("the sizes differ: {}x{} and {}x{}; only pictures of one size can be compared", a.width,
+                       a.height, b.width, b.height);
   if (a.width <= 0 || a.height <= 0) return "the images have no pixels";
   if (a.origin_x != b.origin_x || a.origin_y != b.origin_y || a.display_width != b.display_width ||
       a.display_height != b.display_height)

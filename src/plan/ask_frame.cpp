@@ -99,7 +99,7 @@ Job without_auto(Job job, const Scene& scene, std::vector<std::string>& notes) {
     job.sides = chosen.name;
     if (!chosen.why.empty())
       notes.push_back(
-          fmt::format("light passes single-sided faces from behind, because {} (--sides block)", chosen.why));
+          fmt::format("light passes single-sided faces from behind, because {} (--sides block stops it)", chosen.why));
   }
   return job;
 }

@@ -113,7 +113,7 @@ Expected<void> check_made(const DumpRequest& request, const GraphBuilder& builde
                   "'{}' is not made in this frame: nothing reads what {} writes to it; {}", request.text(),
                   builder.passes()[pass].name, where);
     }
-  return fail(ErrorKind::usage, request.option, "'{}': nothing has written that part of {} there; {}", request.text(),
+  return fail(ErrorKind::usage, request.option, "'{}': no pass up to there writes that part of {}; {}", request.text(),
               desc.name, where);
 }
 

@@ -50,7 +50,7 @@ void trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, const Pack
   out.traced.tree = asked.knobs.get<BvhKnobs>();
   int& traversal = out.traced.tree.traversal;
   if (traversal == BvhKnobs::by_pipeline && frame.facts.any_relief) {
-    out.notes.push_back("bvh.traversal is left at shader: hits of reliefs lie elsewhere than the device has them");
+    out.notes.push_back("bvh.traversal stays at shader: the device does not know where rays meet reliefs");
     traversal = BvhKnobs::by_shader;
   }
   if (traversal == BvhKnobs::by_query && (shades || texels || packed.traces_keys)) {
@@ -62,8 +62,7 @@ void trace_frame(const AskedFrame& asked, const SurveyedFrame& frame, const Pack
         "through ours (bvh.traversal)");
   } else if (traversal != BvhKnobs::by_shader) {
     if (shades || texels || shows_trees(frame.request))
-      out.notes.push_back(
-          "bvh.traversal is left at shader: a pipeline sends the camera's rays alone (--technique ray)");
+      out.notes.push_back("bvh.traversal stays at shader: a pipeline sends the camera's rays alone (--technique ray)");
     traversal = BvhKnobs::by_shader;
   }
   if (shades || texels || packed.traces_keys || shows_trees(frame.request)) {

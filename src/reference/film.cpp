@@ -202,7 +202,7 @@ Expected<Film> Film::load(const std::filesystem::path& path, const Hash128& iden
   FileHead head{};
   if (bytes->size() >= sizeof head) std::memcpy(&head, bytes->data(), sizeof head);
   if (std::memcmp(head.magic, magic, 8) != 0)
-    return fail(ErrorKind::input, path.string(), "is no state of candela reference");
+    return fail(ErrorKind::input, path.string(), "is not a state file of candela reference");
   if (head.identity != identity || head.width != width_px || head.height != height_px)
     return fail(
         ErrorKind::input, path.string(),

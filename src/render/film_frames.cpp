@@ -64,7 +64,7 @@ Expected<DisplayImage> read_film_frame(const fs::path& file, int width_px, int h
   auto decoded = decode_image(*bytes, file.string());
   if (!decoded) return std::unexpected(decoded.error());
   if (decoded->format == DecodedImage::Format::rgba32f)
-    return fail(ErrorKind::input, file.string(), "holds radiance; a film is made of PNG files");
+    return fail(ErrorKind::input, file.string(), "is EXR, linear light; a film is made of PNG files");
   if (decoded->width != width_px || decoded->height != height_px)
     return fail(ErrorKind::input, file.string(), "is {}x{} and the film {}x{}", decoded->width, decoded->height,
                 width_px, height_px);

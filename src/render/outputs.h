@@ -29,14 +29,14 @@ inline constexpr const char* identity_name = "candela:identity";
 // Of the job, the scene's content, device, version, time, frame number and rate, as 32 hex digits.
 std::string file_identity(const Job& job, const Session& session, double time_s, std::optional<int64_t> frame_number,
                           FrameRate rate);
-// The same where others have rendered: scene_content as hex digits, and the device that was theirs.
+// The same for frames that another machine rendered: its device, and scene_content as hex digits.
 std::string file_identity(const Job& job, const std::string& scene_content, const std::string& device,
                           const std::string& driver, double time_s, std::optional<int64_t> frame_number,
                           FrameRate rate);
-// True when the file says that it holds that picture, and its bytes are those that were written (image/seal.h). A
-// missing file is simply not.
+// True when the file says that it holds that picture, and its bytes are those that were written (image/seal.h). False
+// for a missing file.
 bool holds_frame(const std::filesystem::path& path, const std::string& identity);
-// What the header and the length of a file say. damaged: there, but not whole, or of another picture.
+// By the header and the length of a file. damaged: it exists, but is not whole or holds another picture.
 enum class FileState { missing, damaged, whole };
 FileState header_state(const std::filesystem::path& path, const std::string& identity);
 

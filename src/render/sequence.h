@@ -24,16 +24,16 @@ struct SequenceSettings {
   FrameList frames;  // of this shard, in the order they are rendered
   FrameRate rate;
   std::vector<FramePattern> patterns;
-  bool resume = false;                     // leave out frames whose files all are whole and hold this job's picture
+  bool resume = false;                     // skip frames whose files are all whole and hold this job's picture
   FilmFile film;                           // no path: none is made
-  std::optional<FramePattern> kept;        // where frames of the film lie until it is made; none: a pattern is a PNG
+  std::optional<FramePattern> kept;        // PNG frames of the film until it is made; none: `patterns` has PNG files
   int in_flight = 0;                       // frames begun before the first of them is finished; 0: as the session says
   int encoders = 0;                        // threads that encode and write; 0: as many as cores
   bool keep_spans = false;                 // for a trace; grows with the number of frames
-  const std::atomic<int>* stop = nullptr;  // not 0: end after the frames in hand
+  const std::atomic<int>* stop = nullptr;  // not 0: finish the frames that have begun, then stop
   std::function<void(const SequenceProgress&)> progress;  // after each frame, from the rendering thread
-  // Where several processes share the list, by the place in it: whether the frame is this one's, and that its files
-  // are there (false: they were).
+  // For several processes that share the list; the number is the place in it. claim: whether this process is to make
+  // the frame. finished: its files are there; false: they were there before.
   std::function<bool(size_t)> claim;
   std::function<void(size_t, bool)> finished;
   // Before a frame is encoded; an error ends the run, and the frame is not written.
@@ -43,7 +43,7 @@ struct SequenceSettings {
 struct SequenceResult {
   size_t rendered = 0, skipped = 0;
   bool stopped = false;
-  size_t most_frames = 0;            // that were encoded, or waited for it, at once
+  size_t most_frames = 0;            // largest number of frames that were encoded or waited for it at once
   Timings timings;                   // sums over the rendered frames
   std::vector<Hash128> plan_hashes;  // the different ones, in order of appearance
   FramePlan plan;                    // of the last rendered frame
@@ -55,11 +55,11 @@ class FrameMaker {
   virtual ~FrameMaker() = default;
   virtual size_t in_flight() const = 0;  // frames begun before the first of them is finished, at least 1
   virtual Expected<void> begin(double time_s) = 0;
-  // The oldest that was begun; none: `stop` ended it before its time.
+  // The oldest frame that has begun; none: `stop` abandoned it.
   virtual Expected<std::optional<FinishedFrame>> finish(int64_t number) = 0;
-  // What its files say of the picture that they hold.
+  // The identity that its files hold.
   virtual std::string identity(double time_s, int64_t number, FrameRate rate) const = 0;
-  // What a frame takes until its files are there.
+  // Memory that a frame takes until its files are written.
   virtual uint64_t bytes_in_hand(const FinishedFrame& frame) const = 0;
   // On any thread, several at once.
   virtual Expected<PreparedOutputs> prepare(FinishedFrame& frame, FrameRate rate,
@@ -70,7 +70,7 @@ class FrameMaker {
 // Errors (usage) before anything is rendered: a pattern without a number for more than one frame, two files of one
 // name, no output at all; (output): a folder that cannot be written.
 Expected<void> check_sequence(const SequenceSettings& settings);
-// Of all files of frames.
+// Folders of all files of frames.
 std::set<std::filesystem::path> folders_of(const SequenceSettings& settings);
 WantedOutputs wanted_by(const SequenceSettings& settings, const Job& job);
 

@@ -44,7 +44,8 @@ Expected<std::unique_ptr<SharedFrames>> SharedFrames::open(const std::string& te
   struct stat info {};
   if (!split || second.ec != std::errc{} || second.ptr != end || worker >= most_workers || file < 0 ||
       fstat(file, &info) != 0 || size_t(info.st_size) != Layout::bytes(frames))
-    return fail(ErrorKind::usage, "--worker", "'{}' is no list of {} frames that another process shares", text, frames);
+    return fail(ErrorKind::usage, "--worker", "'{}' is not a list of {} frames that another process shares", text,
+                frames);
   std::unique_ptr<SharedFrames> shared(new SharedFrames(file, frames, worker));
   if (auto mapped = shared->map(); !mapped) return std::unexpected(mapped.error());
   return shared;

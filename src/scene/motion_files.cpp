@@ -53,7 +53,7 @@ Expected<TimeMap> read_times(const std::filesystem::path& file) {
                   line.values[0], map.time_s.back());
     if (count > 1 && line.values[0] == map.time_s[count - 1] && line.values[0] == map.time_s[count - 2])
       return fail(ErrorKind::input, line_place(file, line.line),
-                  "the time {} s stands there a third time; two are a jump from one parameter to another",
+                  "the time {} s is given a third time; two lines of one time are a jump from one parameter to another",
                   line.values[0]);
     map.time_s.push_back(line.values[0]);
     map.parameter.push_back(line.values[1]);

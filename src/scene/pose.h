@@ -18,7 +18,7 @@ struct AnimationChoice {
 // property) that one before it that plays touches. Error usage: lists the names there are.
 Expected<AnimationChoice> choose_animations(const Scene& scene, const std::string& which);
 
-// What `which` makes of one animation of the file.
+// What the choice `which` means for one animation of the file.
 struct ClipFacts {
   std::string name;
   double end_s = 0;
@@ -28,8 +28,8 @@ struct ClipFacts {
   int with = -1;       // ... this animation drives too: for auto the first before it that plays, else any before it
 };
 Expected<std::vector<ClipFacts>> clip_facts(const Scene& scene, const std::string& which);
-// A sentence about animations that do not play for another's sake (auto), or that drive what others drive (all); empty
-// where there are none.
+// A sentence about animations that conflict: with auto, those that do not play for that reason; with all, those that
+// drive what others drive. Empty without conflicts.
 std::string clip_note(const Scene& scene, const std::string& which);
 // The last key of what plays and the end of all paths, seconds; 0: nothing moves.
 double clips_end_s(const Scene& scene, const AnimationChoice& choice);

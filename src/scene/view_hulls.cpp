@@ -332,8 +332,8 @@ std::vector<double> film_times(const Scene& scene, const AnimationChoice& choice
     if (at++ % step == 0) times.insert(key);
   if (!keys.empty())
     note = fmt::format(
-        "one camera shows all that is drawn in the film's {:.4g} s{} (--follow goes along with it)", end_s,
-        step > 1 ? fmt::format(", of whose {} keys it looks at {}", keys.size(), (at + step - 1) / step) : "");
+        "one camera for the whole film of {:.4g} s shows all that is drawn{} (--follow places it anew for each frame)",
+        end_s, step > 1 ? fmt::format(" at {} of its {} keys", (at + step - 1) / step, keys.size()) : "");
   return {times.begin(), times.end()};
 }
 

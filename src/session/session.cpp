@@ -212,7 +212,7 @@ Expected<void> DeviceSession::choose_by_device() {
     const ChosenSides chosen = early_sides_ ? *std::exchange(early_sides_, {}) : choose_sides(scene_, job_);
     job_.sides = chosen.name;
     if (!chosen.why.empty() && std::exchange(told_sides_, chosen.name) != chosen.name)
-      log::info("light passes single-sided faces from behind, because {} (--sides block)", chosen.why);
+      log::info("light passes single-sided faces from behind, because {} (--sides block stops it)", chosen.why);
   }
   if (auto fine = check_samples(job_, device_samples(*device_), device_->info().name); !fine) return fine;
   const auto stores = stores_samples(job_, *device_);

@@ -28,13 +28,13 @@ struct Timings {
   std::vector<std::pair<std::string, double>> cpu_ms;
   std::vector<gpu::PassTime> gpu_ms;
   double frame_gpu_ms = 0;
-  // Shadow maps of point and spot lights: that the frame reads; that it draws, the others being kept; and those of what
-  // moves, over a copy of what stands.
+  // Numbers of shadow maps of point and spot lights: those that the frame reads; of these those that it draws (the
+  // others are kept from earlier frames); and those in which moving objects are drawn over a copy of the rest.
   uint64_t lamp_maps = 0, lamp_maps_drawn = 0, lamp_maps_over = 0;
-  // Of the thread that planned the frame and handed it to the device, from when everything was posed until it had
-  // (base/allocations.h). 0 in a film whose plan stays.
+  // By the thread that plans the frame, from when everything is posed until the device has the frame
+  // (base/allocations.h). 0 in a film as long as its plan stays.
   uint64_t heap_allocations = 0;
-  uint64_t uploaded_bytes = 0;  // sent to the device: of a frame, what differs from what the device holds
+  uint64_t uploaded_bytes = 0;  // sent to the device; a frame sends only what has changed
   // Spans for the Chrome trace: name, start and length in microseconds since the process began, lane ("cpu",
   // "compile", "encode", "gpu").
   struct Span {
@@ -45,7 +45,7 @@ struct Timings {
   // When asked for: the frame as a whole on the device, with passes side by side on both queues and with one queue.
   // Medians of as many interleaved runs.
   struct Overlap {
-    int queues = 1;  // that the device has
+    int queues = 1;  // of the device
     int batches = 1, runs = 0;
     double all_queues_ms = 0, one_queue_ms = 0;
   };
@@ -57,11 +57,11 @@ double process_clock_us();  // microseconds since the process began
 
 // A rendered frame before encoding. The pixel data is in mapped device memory, kept alive by the shared pointers.
 struct FrameResult {
-  int width_px = 0, height_px = 0;  // of what is put out
-  PictureWindow window;             // where that lies
+  int width_px = 0, height_px = 0;  // of the output
+  PictureWindow window;             // where the output lies in the picture
   double time_s = 0;
   View view;
-  bool sees_items = false;  // the bounds of an item that the host posed reach into the view
+  bool sees_items = false;  // the bounds of an item that the host posed are in view
   FrameRequest request;
   std::vector<FrameOutput> outputs;                         // what each readback holds
   std::map<int, std::shared_ptr<gpu::Readback>> readbacks;  // by FrameOutput::resource
@@ -69,8 +69,8 @@ struct FrameResult {
   std::vector<shared::PackCounts> counts;                   // by FrameOutput::counts
   double pre_exposure = 1;                                  // linear outputs are divided by it when encoded
   Hash128 plan_hash;
-  std::shared_ptr<const FramePlan> plan;  // with what was left out of it; frames share it
-  std::shared_ptr<const FrameRays> rays;  // the trees that it sent rays through; null: none
+  std::shared_ptr<const FramePlan> plan;  // includes what was left out; frames share it
+  std::shared_ptr<const FrameRays> rays;  // the trees that its rays were traced in; null: no rays
   Timings timings;
   std::vector<gpu::PassHash> hashes;  // when asked for
   std::vector<std::string> notes;
@@ -85,7 +85,7 @@ struct FrameWork {
 };
 FrameWork work_of(const PlannedFrame& planned);
 
-// A frame that was begun and not yet finished.
+// A frame that has begun and is not finished yet.
 using FrameTicket = gpu::FrameTicket;
 
 // A device with a scene on it. Opening loads and uploads what does not change with time; frames are then independent.
@@ -100,19 +100,18 @@ class Session {
   virtual Expected<FrameResult> finish(FrameTicket ticket) = 0;
   Expected<FrameResult> render(double time_s, bool hash_outputs = false);
   virtual int in_flight() const = 0;  // how many frames to have begun at once on this device
-  // Frames begun from now on are seen from there.
+  // Frames begun from now on use this camera.
   virtual void set_camera(const CameraRequest& camera) = 0;
   // Frames begun from now on are made with the job's technique, quality, samples, settings and size, as a session of
   // its own would make them; nothing else of the job counts. Errors: those of check_job() and of what the device cannot
   // do.
   virtual Expected<void> set_settings(const Job& job) = 0;
-  // For `watch`, while no frame is in flight: reads the look with its sky and the files of paths again; false where
-  // that asks for another session, for other nodes are moved or textures are added. After false and after an error all
-  // is as it was.
+  // For `watch`, while no frame is in flight: reads look, sky and files of paths again. False: a new session is needed,
+  // because other nodes move or textures were added. After false and after an error nothing has changed.
   virtual Expected<bool> reread_look() = 0;
-  // Likewise: frames begun from now on have pipelines of the shader folder as it is then.
+  // Also for `watch`: frames begun from now on use the shader folder's present contents.
   virtual void reread_shaders() = 0;
-  // Trees that an earlier session made serve where the geometry is the same.
+  // Reuses the trees of an earlier session where the geometry is the same.
   virtual void take_trees(const Session& earlier) = 0;
   // What a frame at that time would do: planned, not rendered.
   virtual Expected<FrameWork> work(double time_s) const = 0;

@@ -85,7 +85,7 @@ Expected<StabilityOptions> stability_suite_from_json(const std::string& text, co
   if (auto read = read_keys(*j, SuitePlace{{}, {}, place + ": "}, readers(), options); !read)
     return std::unexpected(read.error());
   if (std::set(options.sizes.begin(), options.sizes.end()).size() != options.sizes.size())
-    return fail(ErrorKind::input, place + ": /sizes", "the same size stands there twice");
+    return fail(ErrorKind::input, place + ": /sizes", "a size is given twice");
   return options;
 }
 

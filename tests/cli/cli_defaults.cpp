@@ -189,6 +189,7 @@ TEST(Defaults, HelpIsOneScreen) {
   EXPECT_NE(wrong.err.find("--time: 'abc' is not a number (SECONDS); write for example --time 2"), std::string::npos)
       << wrong.err;
   EXPECT_EQ(candela({"help", "rendr"}).code, 2);
+  EXPECT_EQ(candela({"help"}).out, candela({"--help"}).out);
   const auto lines = [](const Ended& ended) { return std::ranges::count(ended.out, '\n'); };
   EXPECT_LT(lines(candela({"list", "knobs"})), lines(candela({"list", "knobs", "--all"})));
 }

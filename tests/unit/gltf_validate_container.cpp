@@ -124,6 +124,11 @@ TEST(ParseGltfJson, RefusesWhatIsNotJson) {
     EXPECT_NE(parse_error(text).find("(INVALID_JSON)"), std::string::npos) << text;
 }
 
+TEST(ParseGltfJson, SaysThatAnotherFormatHasToBeConverted) {
+  EXPECT_NE(parse_error("# cube\nv 0 0 0\n").find("converted"), std::string::npos);
+  EXPECT_EQ(parse_error("{\"a\" 1}").find("converted"), std::string::npos);
+}
+
 TEST(ParseGltfJson, RefusesByteOrderMark) {
   EXPECT_NE(parse_error("\xEF\xBB\xBF{}").find("byte order mark"), std::string::npos);
 }

@@ -64,8 +64,9 @@ TEST_F(MotionFiles, TimesOutOfOrderAreRefusedWithTheirLine) {
   const auto jump = read_times(file("0 0\n1 1\n1 3\n2 4\n"));
   ASSERT_TRUE(jump) << jump.error().text();
   EXPECT_EQ(jump->jumps_s(), std::vector<double>{1});
-  EXPECT_EQ(error_of(read_times(file("0 0\n1 1\n1 2\n1 3\n"))),
-            "file.txt:4: the time 1 s stands there a third time; two are a jump from one parameter to another");
+  EXPECT_EQ(
+      error_of(read_times(file("0 0\n1 1\n1 2\n1 3\n"))),
+      "file.txt:4: the time 1 s is given a third time; two lines of one time are a jump from one parameter to another");
   EXPECT_NE(error_of(read_times(file("0\n"))).find("file.txt:1: the line holds 1 number;"), std::string::npos);
 }
 

@@ -219,7 +219,7 @@ TEST(ViewHulls, WhatGrowsOrAppearsLaterIsFramedWithItsFloor) {
   EXPECT_LT(glm::length(appears.position - seen.position), 1e-6);
   EXPECT_EQ(framed(late, 0, request, 320, 200).position, appears.position);
   EXPECT_TRUE(std::ranges::any_of(appears.notes, [](const std::string& note) {
-    return note.find("one camera shows all that is drawn in the film's 0.5 s") != std::string::npos;
+    return note.find("one camera for the whole film of 0.5 s shows all that is drawn") != std::string::npos;
   }));
 }
 

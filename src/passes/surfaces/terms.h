@@ -39,8 +39,8 @@ struct Terms {
       {"direct_point", "term of beauty: light of the point lights"},
       {"direct_spot", "term of beauty: light of the spot lights"},
       {"ambient_diffuse", "term of beauty: ambient light, reflected diffusely"},
-      {"ambient_specular", "term of beauty: ambient light, mirrored"},
-      {"emission", "term of beauty: what surfaces give off"},
+      {"ambient_specular", "term of beauty: ambient light, reflected in highlights"},
+      {"emission", "term of beauty: light that surfaces emit"},
       {"background", "term of beauty: what is behind everything, and what is seen through surfaces"},
       {"reflections", "term of beauty: what surfaces mirror of each other"}};
   using SharedKnobs = std::tuple<LightRangeKnobs, TextureKnobs, IblKnobs, ProbeKnobs, SurfaceKnobs, ReliefKnobs>;

@@ -112,12 +112,12 @@ float rays_through(TraceRay ray, uint mode, float radius, float fade) {
 struct SkyOpen {
   float fraction, bright, bright_open;
   vec3 bent;      // mean open direction, a unit vector
-  float mirror;   // of the mirror direction of a viewer, by the triangle's normal
-  float lights;   // of the bright spot that a glossy surface reflects most of to that viewer
+  float mirror;   // how open the mirror direction of a viewer is, by the triangle's normal
+  float lights;   // how open the direction is of the bright spot that a glossy surface reflects most of to that viewer
 };
 // The light of a bright spot on a surface, by luminance. normal: in the sky's axes.
 float of_sky_light(SkyLight light, vec3 normal) {
-  return max(dot(normal, light.direction), 0.0) * dot(light.illuminance, vec3(0.2126, 0.7152, 0.0722));
+  return min(max(dot(normal, light.direction), 0.0) * dot(light.illuminance, vec3(0.2126, 0.7152, 0.0722)), 1e30);
 }
 struct SkyLightsFound {
   float all;       // light of all spots on the surface

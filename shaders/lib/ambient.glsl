@@ -67,15 +67,18 @@ AmbientLobes whole_sky_lobes(Surface s, BrdfTerms b, vec3 facing) {
   if (IBL_METHOD == ibl_split) {
     specular *= frame.sky_intensity * filtered_sky(in_sky(mirrored), slice_of_roughness(s.roughness));
   } else if (IBL_METHOD == ibl_lobe) {
-    const vec2 lobe = lobe_shape(frame.image_light.lobe_texture, frame.image_light.clamp_sampler, s.roughness,
+    const vec4 lobe = lobe_shape(frame.image_light.lobe_texture, frame.image_light.clamp_sampler, s.roughness,
         clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0));
     const float sharp = MIRROR_TAPS != 0 && mirror_known ? mirror_share(slice_of_roughness(s.roughness)) : 0.0;
     vec3 sky = vec3(0.0);
-    if (sharp < 1.0) sky = (1.0 - sharp) * filtered_sky(in_sky(normalize(mix(s.normal, mirrored, lobe.x))), lobe.y);
+    if (sharp < 1.0) {
+      const vec3 of_f0 = filtered_sky(in_sky(normalize(mix(s.normal, mirrored, lobe.x))), lobe.y);
+      const vec3 of_f90 = filtered_sky(in_sky(normalize(mix(s.normal, mirrored, lobe.z))), lobe.w);
+      sky = (1.0 - sharp) * (b.f0 * albedo.x * of_f0 + b.f90 * albedo.y * of_f90);
+    }
     if (MIRROR_TAPS != 0 && sharp > 0.0)
-      sky += sharp * mirrored_sky(in_sky(mirrored), in_sky(mirror_across), in_sky(mirror_down), b.alpha);
-    specular *= sky;
-    specular *= frame.sky_intensity;
+      sky += sharp * specular * mirrored_sky(in_sky(mirrored), in_sky(mirror_across), in_sky(mirror_down), b.alpha);
+    specular = sky * frame.sky_intensity;
     lights = sky_lights(in_image, lobe.y) * frame.sky_intensity;
   } else {
     specular *= ambient_radiance(mirrored);

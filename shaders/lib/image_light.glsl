@@ -8,12 +8,13 @@ float slice_of_roughness(float roughness) {
   return max(float(sky_slice_count - 1u) + float(sky_slices_per_octave) * log2(max(roughness, least_roughness)), 0.0);
 }
 
-// Where the lobe's middle lies, from the normal (0) to the mirror direction (1), and the slice as wide as the lobe.
-vec2 lobe_shape(uint lobe_texture, uint clamp_sampler, float roughness, float n_v) {
+// Where a lobe's middle lies, from the normal (0) to the mirror direction (1), and the slice as wide as the lobe: xy of
+// the part that f0 scales, zw of the part that f90 scales.
+vec4 lobe_shape(uint lobe_texture, uint clamp_sampler, float roughness, float n_v) {
   const float size = float(sky_lobe_size), low = sqrt(least_roughness);
   const vec2 at = vec2(sqrt(n_v), (sqrt(max(roughness, least_roughness)) - low) / (1.0 - low));
   return textureLod(sampler2D(textures[lobe_texture], samplers[clamp_sampler]), (at * (size - 1.0) + 0.5) / size,
-      0.0).rg;
+      0.0);
 }
 
 // The sky's bright spots, as far as they are not in the slice.

@@ -44,12 +44,17 @@ struct ProbesShaded {
 // Of the specular lobe of one surface.
 vec3 probe_lobe(Surface s, BrdfTerms b, vec3 at) {
   const float n_v = clamp(dot(s.normal, b.to_viewer), 1e-4, 1.0);
-  const vec2 lobe = lobe_shape(frame.probes.lobe_texture, frame.probes.clamp_sampler, s.roughness, n_v);
+  // One lookup for both parts, by what each reflects.
+  const vec4 shape = lobe_shape(frame.probes.lobe_texture, frame.probes.clamp_sampler, s.roughness, n_v);
 #ifdef LOBED
   const vec3 mirrored = reflect(-b.to_viewer, s.lobes.mirroring);
 #else
   const vec3 mirrored = reflect(-b.to_viewer, s.normal);
 #endif
+  const vec3 albedo = specular_albedo(s, n_v);
+  const vec3 first = b.f0 * albedo.x, all = first + b.f90 * albedo.y;
+  const float of_all = dot(all, vec3(1.0));
+  const vec2 lobe = mix(shape.zw, shape.xy, of_all > 0.0 ? dot(first, vec3(1.0)) / of_all : 1.0);
   const vec3 d = normalize_or(mix(s.normal, mirrored, lobe.x), s.normal);
   vec3 light = vec3(0.0);
   for (int i = 0; i < PROBE_COUNT; ++i) {
@@ -58,8 +63,7 @@ vec3 probe_lobe(Surface s, BrdfTerms b, vec3 at) {
     if (weight > 0.0) light += weight * probe_radiance(p, at, d, lobe.y);
     probes.left -= weight;
   }
-  const vec3 albedo = specular_albedo(s, n_v);
-  return light * (b.f0 * albedo.x + b.f90 * albedo.y);
+  return light * all;
 }
 void shade_probes(Surface s, BrdfTerms b, vec3 at) {
   if (PROBE_COUNT == 0) return;

@@ -34,7 +34,7 @@ void GpuProbes::load(const std::vector<FilteredSky>& probes) {
     images_.push_back(upload(VK_FORMAT_R32G32B32A32_SFLOAT, probe.width, probe.height, probe.texels, "probe"));
   }
   constexpr uint32_t size = shared::sky_lobe_size;
-  lobes_ = upload(VK_FORMAT_R32G32_SFLOAT, size, size, probes[0].lobes, "probe.lobes");
+  lobes_ = upload(VK_FORMAT_R32G32B32A32_SFLOAT, size, size, probes[0].lobes, "probe.lobes");
   const auto slices = std::as_bytes(std::span(probes[0].slices));
   slices_ = gpu::Buffer(
       device_, slices.size(),

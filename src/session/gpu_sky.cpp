@@ -171,7 +171,7 @@ std::shared_ptr<GpuSky::Maps> GpuSky::sum_maps(const FrameSky& sky, const IblKno
     light.pixel_samples = uint32_t(knobs.stretched);
     light.irradiance_texture = shared::absent;
     light.texture = texture(maps.sky, VK_FORMAT_R32G32B32A32_SFLOAT, first.width, first.height, "sky.filtered");
-    light.lobe_texture = texture(maps.lobes, VK_FORMAT_R32G32_SFLOAT, lobes, lobes, "sky.lobes");
+    light.lobe_texture = texture(maps.lobes, VK_FORMAT_R32G32B32A32_SFLOAT, lobes, lobes, "sky.lobes");
     if (side > 0) {
       light.irradiance_texture = texture(maps.irradiance, VK_FORMAT_R32G32B32A32_SFLOAT, side, side, "sky.irradiance");
       light.irradiance_uv = {1 / float(side), float(side - 2) / float(side)};
@@ -191,7 +191,7 @@ std::shared_ptr<GpuSky::Maps> GpuSky::sum_maps(const FrameSky& sky, const IblKno
   // By the knobs alone.
   if (is_new) {
     const auto room =
-        uploader.texture_room(maps.lobes, VK_FORMAT_R32G32_SFLOAT, lobes, lobes, 1, uint32_t(sizeof(glm::vec2)));
+        uploader.texture_room(maps.lobes, VK_FORMAT_R32G32B32A32_SFLOAT, lobes, lobes, 1, uint32_t(sizeof(glm::vec4)));
     CHECK(room.size() == first.lobes.size() * sizeof(float));
     std::memcpy(room.data(), first.lobes.data(), room.size());
   }
@@ -240,7 +240,7 @@ void GpuSky::load_filtered(Maps& maps, const FrameSky& frame_sky) {
   };
   light.texture = load(maps.sky, VK_FORMAT_R32G32B32A32_SFLOAT, sky.width, sky.height, sky.texels, "sky.filtered");
   light.lobe_texture =
-      load(maps.lobes, VK_FORMAT_R32G32_SFLOAT, shared::sky_lobe_size, shared::sky_lobe_size, sky.lobes, "sky.lobes");
+      load(maps.lobes, VK_FORMAT_R32G32B32A32_SFLOAT, shared::sky_lobe_size, shared::sky_lobe_size, sky.lobes, "sky.lobes");
   if (const uint32_t side = sky.irradiance_px; side > 0) {
     light.irradiance_texture =
         load(maps.irradiance, VK_FORMAT_R32G32B32A32_SFLOAT, side, side, sky.irradiance, "sky.irradiance");

@@ -5,7 +5,7 @@
 namespace candela {
 namespace {
 
-constexpr uint32_t file_version = 4;
+constexpr uint32_t file_version = 5;
 
 // A count before each part; at the end the hash of all parts in turn.
 class Writer {

@@ -316,15 +316,20 @@ double spread_of_slice(double roughness) {
   return sum / all;
 }
 
-// Of the lobe that is seen at n.v: the mean direction (in the plane of n and v, n up, v on the side of x) and the mean
+// Of a lobe that is seen at n.v: the mean direction (in the plane of n and v, n up, v on the side of x) and the mean
 // square of a coordinate across it.
 struct LobeShape {
   double x = 0, z = 1, spread = 0;
 };
-LobeShape lobe_shape(double roughness, double n_v) {
+// What f0 scales and what f90 scales of the reflected light (split_sum.h): the same lobe times 1 - F and F, of which
+// the second, the light of grazing half vectors, leans further from the normal.
+std::array<LobeShape, 2> lobe_shapes(double roughness, double n_v) {
   const double a2 = std::pow(roughness, 4), sin_v = std::sqrt(1 - n_v * n_v);
   constexpr int rings = 64, sectors = 48;
-  double all = 0, x = 0, z = 0, xx = 0, xz = 0, yy = 0, zz = 0;
+  struct Sums {
+    double all = 0, x = 0, z = 0, xx = 0, xz = 0, yy = 0, zz = 0;
+  };
+  std::array<Sums, 2> sums;
   for (int i = 0; i < rings; ++i)
     for (int j = 0; j < sectors; ++j) {  // half of the plane's two sides
       // Denser towards the lobe's flanks, which are wide and hold most of the second moments.
@@ -334,34 +339,48 @@ LobeShape lobe_shape(double roughness, double n_v) {
       const glm::dvec3 l(2 * v_h * across * std::cos(phi) - sin_v, 2 * v_h * across * std::sin(phi),
                          2 * v_h * n_h - n_v);
       if (!(v_h > 0) || !(l.z > 0)) continue;
-      const double weight = 3 * t * t * smith_v(l.z, n_v, a2) * l.z * v_h / n_h;
-      all += weight, x += weight * l.x, z += weight * l.z;
-      xx += weight * l.x * l.x, xz += weight * l.x * l.z, yy += weight * l.y * l.y, zz += weight * l.z * l.z;
+      const double whole = 3 * t * t * smith_v(l.z, n_v, a2) * l.z * v_h / n_h, fresnel = std::pow(1 - v_h, 5);
+      for (size_t part = 0; part < 2; ++part) {
+        const double weight = whole * (part == 0 ? 1 - fresnel : fresnel);
+        Sums& s = sums[part];
+        s.all += weight, s.x += weight * l.x, s.z += weight * l.z;
+        s.xx += weight * l.x * l.x, s.xz += weight * l.x * l.z, s.yy += weight * l.y * l.y, s.zz += weight * l.z * l.z;
+      }
     }
-  const double length = std::hypot(x, z);
-  LobeShape shape{x / length, z / length, 0};
-  const double along = shape.z * shape.z * xx - 2 * shape.x * shape.z * xz + shape.x * shape.x * zz;
-  shape.spread = (along + yy) / (2 * all);
-  return shape;
+  std::array<LobeShape, 2> shapes;
+  for (size_t part = 0; part < 2; ++part) {
+    const Sums& s = sums[part];
+    const double length = std::hypot(s.x, s.z);
+    LobeShape& shape = shapes[part];
+    shape = {s.x / length, s.z / length, 0};
+    const double along = shape.z * shape.z * s.xx - 2 * shape.x * shape.z * s.xz + shape.x * shape.x * s.zz;
+    shape.spread = (along + s.yy) / (2 * s.all);
+  }
+  return shapes;
 }
 
 std::vector<float> lobe_table() {
   constexpr uint32_t size = shared::sky_lobe_size;
   std::array<double, shared::sky_slice_count> spread;
   for (uint32_t i = 0; i <= last_slice; ++i) spread[i] = spread_of_slice(roughness_of_slice(i));
-  std::vector<float> table(2 * size * size);
+  std::vector<float> table(4 * size * size);
   tbb::parallel_for(0u, size, [&](uint32_t row) {
     const double low = std::sqrt(shared::least_roughness);
     const double roughness = std::pow(low + (1 - low) * row / (size - 1), 2);
     for (uint32_t column = 0; column < size; ++column) {
       const double n_v = std::clamp(std::pow(double(column) / (size - 1), 2), 1e-3, 0.9995);
-      const LobeShape shape = lobe_shape(roughness, n_v);
-      const double aside = std::max(-shape.x / shape.z, 0.0);  // below 0 by the samples' noise alone
-      uint32_t i = 0;
-      while (i + 1 < last_slice && spread[i + 1] < shape.spread) ++i;
-      const double between = std::clamp((shape.spread - spread[i]) / (spread[i + 1] - spread[i]), 0.0, 1.0);
-      table[2 * (row * size + column)] = float(aside / (aside * (1 - n_v) + std::sqrt(1 - n_v * n_v)));
-      table[2 * (row * size + column) + 1] = float(i + between);
+      const std::array<LobeShape, 2> shapes = lobe_shapes(roughness, n_v);
+      for (size_t part = 0; part < 2; ++part) {
+        const LobeShape& shape = shapes[part];
+        const double aside = std::max(-shape.x / shape.z, 0.0);  // below 0 by the samples' noise alone
+        uint32_t i = 0;
+        while (i + 1 < last_slice && spread[i + 1] < shape.spread) ++i;
+        const double between = std::clamp((shape.spread - spread[i]) / (spread[i + 1] - spread[i]), 0.0, 1.0);
+        float* const entry = &table[4 * (row * size + column) + 2 * part];
+        // From above, the second part is all around the horizon: it has no middle, and little weight.
+        entry[0] = float(std::min(aside / (aside * (1 - n_v) + std::sqrt(1 - n_v * n_v)), 1.6));
+        entry[1] = float(i + between);
+      }
     }
   });
   return table;

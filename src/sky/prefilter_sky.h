@@ -30,7 +30,7 @@ struct FilteredSky {
   std::vector<shared::SkyLight> lights;
   uint32_t irradiance_px = 0;  // with the margin; 0: none
   std::vector<float> irradiance;
-  std::vector<float> lobes;  // two numbers each, shared::sky_lobe_size squared
+  std::vector<float> lobes;  // four numbers each, shared::sky_lobe_size squared
 };
 FilteredSky prefilter_sky(const DecodedImage& sky, const IblKnobs& knobs);
 

@@ -228,6 +228,35 @@ TEST_F(ImageLight, PassesTheFurnace) {
   }
 }
 
+// Seen at a slant, what a dielectric reflects is the light of its grazing half vectors, whose lobe leans further from
+// the normal than the whole: bright sky above a floor must not wash it out.
+TEST_F(ImageLight, DielectricsAtASlantReflectWhatLiesLow) {
+  const glm::dquat tilt = glm::angleAxis(-1.3, glm::dvec3(1, 0, 0));
+  const glm::dvec3 normal = tilt * glm::dvec3(0, 0, 1);
+  const Texels sky = write_sky("above", [&](glm::dvec3 d) { return glm::dvec3(glm::dot(d, normal) > 0.8 ? 6 : 0.2); });
+  double worst = 0;
+  for (const double rough : {0.3, 0.45, 0.6, 0.8}) {
+    GltfBuilder b = empty_scene();
+    Json pbr = base_color(0, 0, 0);
+    pbr["roughnessFactor"] = rough, pbr["metallicFactor"] = 0;
+    add_node(b, {{"mesh", add_square_mesh(b, 9, add_material(b, {{"pbrMetallicRoughness", pbr}}))},
+                 {"rotation", {tilt.x, tilt.y, tilt.z, tilt.w}}});
+    b.json["cameras"] = {
+        {{"type", "orthographic"}, {"orthographic", {{"xmag", 0.5}, {"ymag", 0.5}, {"znear", 1}, {"zfar", 99}}}}};
+    add_node(b, {{"camera", 0}, {"translation", {0, 0, 40}}});
+    Job job = job_for(write(b), 4, 4);
+    job.sky = sky.file, job.effects = "ibl";
+    reference::Surface s;
+    s.normal = normal, s.base_color = {0, 0, 0};
+    s.roughness = rough, s.metallic = 0;
+    s.specular_gain = reference::specular_gain(s.dielectric_f0, rough, normal.z);
+    const double truth = sum_over(sky, s).x, drawn = double(images_of(job)["beauty"].at<glm::vec4>(2, 2).x);
+    std::printf("roughness %.2f: %.4f of %.4f\n", rough, drawn, truth);
+    worst = std::max(worst, std::abs(drawn / truth - 1));
+  }
+  EXPECT_LT(worst, 0.2);
+}
+
 // Light from one side of a black sky, where spherical harmonics go below 0.
 TEST_F(ImageLight, IsNowhereNegativeAndFinite) {
   const Texels spot = write_sky("spot", [](glm::dvec3 d) { return glm::dvec3(d.x > 0.98 ? 1e8 : 0.0); });

@@ -217,17 +217,26 @@ TEST(PrefilterSky, LobesLieBetweenNormalAndMirrorAndWidenWithRoughness) {
   const double low = std::sqrt(shared::least_roughness);
   for (size_t row = 0; row < size; ++row)
     for (size_t column = 0; column < size; ++column) {
-      const float place = sky.lobes[2 * (row * size + column)], slice = sky.lobes[2 * (row * size + column) + 1];
-      EXPECT_GE(place, 0) << row << " " << column;
-      EXPECT_LT(place, 1.6) << row << " " << column;
-      EXPECT_GE(slice, 0);
-      EXPECT_LE(slice, shared::sky_slice_count - 1);
+      const float* const entry = &sky.lobes[4 * (row * size + column)];
+      for (int part = 0; part < 2; ++part) {
+        const float place = entry[2 * part], slice = entry[2 * part + 1];
+        EXPECT_GE(place, 0) << row << " " << column;
+        EXPECT_LE(place, 1.6f) << row << " " << column;
+        EXPECT_GE(slice, 0);
+        EXPECT_LE(slice, shared::sky_slice_count - 1);
+      }
+    }
+  // At a slant the light of grazing half vectors leans further from the normal.
+  for (size_t row = size / 3; row < size; ++row)
+    for (size_t column = 4; column < 2 * size / 3; ++column) {
+      const float* const entry = &sky.lobes[4 * (row * size + column)];
+      EXPECT_GT(entry[2], entry[0]) << row << " " << column;
     }
   // Seen from above, the true lobe has masking but no cosine, so it is a little wider than its roughness's slice: the
   // table names one that is as wide, as long as there is one.
   for (size_t row = 0; row < size; ++row) {
     const double roughness = std::pow(low + (1 - low) * double(row) / (size - 1), 2);
-    const double slice = double(sky.lobes[2 * (row * size + size - 1) + 1]);
+    const double slice = double(sky.lobes[4 * (row * size + size - 1) + 1]);
     const double seen = spread_across(roughness, true);
     const double below = spread_across(roughness_of(std::floor(slice)), false);
     const double beyond = spread_across(roughness_of(std::floor(slice) + 1), false);

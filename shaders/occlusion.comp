@@ -15,6 +15,16 @@ layout(constant_id = 1) const int KEEPS_NORMALS = 0;
 #include "lib/occlusion_texel.glsl"
 const bool BENT = OCCLUSION_BENT(SHAPE) != 0;
 
+float texel_point(ivec2 texel) {
+  for (int i = 0; i < TEXEL_PX * TEXEL_PX; ++i) {
+    const ivec2 pixel = texel_pixel(texel, i);
+    if (any(greaterThanEqual(uvec2(pixel), frame.size_px))) continue;
+    const float point = point_of_texel(texelFetch(pass_images[pc.points], pixel, 0).r, i);
+    if (point > 0.0) return point;
+  }
+  return 0.0;
+}
+
 // The difference of the positions at p and beside it along one axis, from the side whose surface goes on through p.
 // On a plane depth is linear over the picture: the side is taken whose two next depths, prolonged, miss p's less. Where
 // there is none the surface is taken to be as far off as at p.

@@ -12,7 +12,6 @@ layout(constant_id = 31) const int KEEPS_NORMALS = 0;
 vec2 pixel_middle;
 #define PIXEL_MIDDLE pixel_middle
 #include "lib/occlusion_depth.glsl"
-#include "lib/occlusion_texel.glsl"
 #include "lib/rays.glsl"
 
 // Squares of 4 by 4 texels share a sequence, a stretch of it each, so that the filter sees all directions evenly.
@@ -25,6 +24,8 @@ uint place_in_pattern(uvec2 texel) {
   const uint x = p.x, y = p.x ^ p.y;
   return (y & 1u) << 3 | (x & 1u) << 2 | (y & 2u) | (x & 2u) >> 1;
 }
+
+float texel_point(ivec2 texel) { return texelFetch(pass_images[pc.points], texel, 0).r; }
 
 // Of the texels about one, as far as a round of the filter reaches, those that it takes for the same surface: by their
 // distance from the plane of the triangle, and by how far a surface through both has turned that bends evenly, as their

@@ -80,20 +80,22 @@ vec3 deep_sun(uint sun, vec3 position, vec3 normal, float own) {
 #endif
 
 #if (DEEP_LIGHT & 2) != 0
-vec3 deep_lamp(uint lamp, vec3 position, vec3 normal, float own) {
-  LampShadowsRef lamps = LampShadowsRef(pc.lamps);
-  const vec3 q = position - lamps.s[lamp].position;
-  const LampFace side = lamp_face(lamp, q);
+vec3 deep_lamp(uint number, vec3 position, vec3 normal, float own) {
+  LampRef lamp = lamp_at(number);
+  const LampPosition from = lamp_position(lamp);
+  const vec3 q = position - from.position;
+  const LampFace side = lamp_face(lamp, from.form, q);
   const float z = side.z;
   if (!(z > lamp_near_m) || side.tile.z < 0.0) return vec3(1.0);
   const uint image = pc.shadow_colors >> 24u;
   const ivec3 size = textureSize(pass_array_images[pc.lamp_maps], 0);
   const float scale = float(textureSize(pass_array_images[image], 0).x) / float(size.x);
-  const float texel_tangent = lamps.s[lamp].texel_tangent / scale;
+  const LampScale map = lamp_scale(lamp);
+  const float texel_tangent = map.texel_tangent / scale;
   // Not into the next tile.
-  const float most = max(lamps.s[lamp].most_tangent - texel_tangent, 0.0);
+  const float most = max(map.most_tangent - texel_tangent, 0.0);
   const vec2 tangent = clamp(vec2(dot(side.right, q), -dot(side.up, q)) / z, vec2(-most), vec2(most));
-  const vec2 place = (side.tile.xy + tangent / lamps.s[lamp].texel_tangent) * scale;
+  const vec2 place = (side.tile.xy + tangent / map.texel_tangent) * scale;
   if (normal == vec3(0.0))
     return deep_left(image, ivec3(ivec2(place), int(side.tile.z)), size.z, false, z, own);
   // Along the plane z changes by -z (n.right) / (n.q) for each metre of tangent at a metre.

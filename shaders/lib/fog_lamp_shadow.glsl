@@ -13,19 +13,20 @@ uint fog_lamp_maps(LightRef light) {
 // 1: lit, 0: in shadow, for a lamp that may be no_light. position: relative.
 float fog_lamp_visibility(uint maps, vec3 position) {
   // Valid in all lanes: light_visibility in lib/light_shadow.glsl.
-  const uint lamp = maps == no_light ? 0u : maps;
-  LampShadowsRef lamps = LampShadowsRef(pc.lamps);
-  const vec3 q = position - lamps.s[lamp].position;
-  const LampFace side = lamp_face(lamp, q);
+  LampRef lamp = lamp_at(maps == no_light ? 0u : maps);
+  const LampPosition from = lamp_position(lamp);
+  const vec3 q = position - from.position;
+  const LampFace side = lamp_face(lamp, from.form, q);
   const vec3 tile = side.tile;
   const float z = side.z;
   if (maps == no_light || !(z > lamp_near_m) || tile.z < 0.0) return 1.0;
-  const float most = lamps.s[lamp].most_tangent;
+  const LampScale scale = lamp_scale(lamp);
+  const float most = scale.most_tangent;
   const vec2 tangent = clamp(vec2(dot(side.right, q), -dot(side.up, q)) / z, vec2(-most), vec2(most));
   // From the tile's middle: where the tile is must not matter to the last bit.
-  const vec2 place = tangent / lamps.s[lamp].texel_tangent - 0.5, whole = floor(place), f = place - whole;
-  const vec2 corner = (tile.xy + whole + 1.0) * lamps.s[lamp].uv_per_texel;
-  const float bias = lamps.s[lamp].bias_m / z + 9.5367432e-7;
+  const vec2 place = tangent / scale.texel_tangent - 0.5, whole = floor(place), f = place - whole;
+  const vec2 corner = (tile.xy + whole + 1.0) * scale.uv_per_texel;
+  const float bias = scale.bias_m / z + 9.5367432e-7;
   const vec4 stored = textureGather(
       sampler2DArray(pass_array_images[pc.lamp_maps], graph_samplers[SAMPLER_NEAREST_CLAMP]), vec3(corner, tile.z));
   const vec4 lit = vec4(greaterThanEqual(vec4(lamp_near_m / z * (1.0 + bias)), stored));

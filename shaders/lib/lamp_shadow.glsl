@@ -34,28 +34,28 @@ const float SOFT_SEARCH = 3.0;  // blockers from a quarter of the way on
 struct LampTap {
   float stored, own;  // reversed depths: of the map, and of the point's plane with the bias
 };
-LampTap lamp_tap(uint lamp, vec3 q, vec3 d, vec3 normal) {
-  LampShadowsRef lamps = LampShadowsRef(pc.lamps);
-  const LampFace side = lamp_face(lamp, d);
+LampTap lamp_tap(LampRef lamp, uint form, vec3 q, vec3 d, vec3 normal) {
+  const LampFace side = lamp_face(lamp, form, d);
   const vec3 tile = side.tile;
   const float z = side.z;
   LampTap tap = LampTap(0.0, 1.0);  // nothing is in the way
   if (tile.z < 0.0 || !(z > 0.0)) return tap;
-  const float texel = lamps.s[lamp].texel_tangent, most = lamps.s[lamp].most_tangent;
+  const LampScale scale = lamp_scale(lamp);
+  const float texel = scale.texel_tangent, most = scale.most_tangent;
   const vec2 tangent = clamp(vec2(dot(side.right, d), -dot(side.up, d)) / z, vec2(-most), vec2(most));
   tap.stored = textureLod(sampler2DArray(pass_array_images[pc.lamp_maps], graph_samplers[SAMPLER_NEAREST_CLAMP]),
-      vec3((tile.xy + floor(tangent / texel) + 0.5) * lamps.s[lamp].uv_per_texel, tile.z), 0.0).r;
+      vec3((tile.xy + floor(tangent / texel) + 0.5) * scale.uv_per_texel, tile.z), 0.0).r;
   // Where the direction meets the plane, or as far off as the point where the plane leads away.
   const float towards = -dot(normal, d), here = -dot(normal, q), far = length(q) / length(d);
   const float at = towards > 1e-6 * length(d) ? min(here / towards, far) : far;
   const float point_z = at * z;
   const float away = max(towards / z, 1e-6);
   const float bias = min((PLANE_LIFT_TEXELS + 1.0) / away, MOST_LIFT_TEXELS + 4.0) * texel +
-      lamps.s[lamp].bias_m / point_z + 9.5367432e-7;
+      scale.bias_m / point_z + 9.5367432e-7;
   tap.own = lamp_near_m / point_z * (1.0 + bias);
   return tap;
 }
-float soft_lamp_visibility(uint lamp, float radius_m, vec3 q, vec3 normal) {
+float soft_lamp_visibility(LampRef lamp, uint form, float radius_m, vec3 q, vec3 normal) {
   const uint count = max(RaySettingsRef(pc.rays).s.lamp_samples, 1u);
   const float distance_m = length(q), turn = shadow_turn();
   const mat3 axes = axes_about(q / distance_m);
@@ -63,18 +63,18 @@ float soft_lamp_visibility(uint lamp, float radius_m, vec3 q, vec3 normal) {
   float blockers = 0.0, ratio = 0.0;  // ratio: distance of the point over that of the blocker
   for (uint i = 0u; i < count; ++i) {
     const vec3 d = axes * vec3(search * shadow_place(i, count, turn), 1.0);
-    const LampTap tap = lamp_tap(lamp, q, d, normal);
+    const LampTap tap = lamp_tap(lamp, form, q, d, normal);
     if (!(tap.stored > tap.own)) continue;
     blockers += 1.0;
     ratio += tap.stored / tap.own;
   }
   if (blockers == 0.0) return 1.0;
-  const float least = 1.5 * LampShadowsRef(pc.lamps).s[lamp].texel_tangent;
+  const float least = 1.5 * lamp_scale(lamp).texel_tangent;
   const float radius = clamp(radius_m / distance_m * (ratio / blockers - 1.0), least, max(search, least));
   float lit = 0.0;
   for (uint i = 0u; i < count; ++i) {
     const vec3 d = axes * vec3(radius * shadow_place(i, count, turn + 1.2), 1.0);
-    const LampTap tap = lamp_tap(lamp, q, d, normal);
+    const LampTap tap = lamp_tap(lamp, form, q, d, normal);
     lit += tap.stored > tap.own ? 0.0 : 1.0;
   }
   return lit / float(count);
@@ -97,32 +97,35 @@ void compare_texels(LampPlane plane, vec4 stored, vec4 x, vec4 y, vec4 weight, i
 }
 
 // 1: lit, 0: in shadow. position: relative; normal: of the triangle.
-float lamp_visibility(uint lamp, LightRef light, vec3 position, vec3 normal) {
-  LampShadowsRef lamps = LampShadowsRef(pc.lamps);
-  const vec3 q = position - lamps.s[lamp].position;
-  const LampFace side = lamp_face(lamp, q);
+float lamp_visibility(uint number, LightRef light, vec3 position, vec3 normal) {
+  LampRef lamp = lamp_at(number);
+  const LampPosition from = lamp_position(lamp);
+  const vec3 q = position - from.position;
+  const LampFace side = lamp_face(lamp, from.form, q);
   const float z = side.z;
   if (!(z > lamp_near_m)) return 1.0;
   if (!(dot(normal, q) < 0.0)) return 0.0;
   if (LAMPS_SOFT) {
     const float radius_m = light_word(light, 7u).x;
-    if (radius_m > 0.0 && dot(q, q) > radius_m * radius_m) return soft_lamp_visibility(lamp, radius_m, q, normal);
+    if (radius_m > 0.0 && dot(q, q) > radius_m * radius_m) 
+      return soft_lamp_visibility(lamp, from.form, radius_m, q, normal);
   }
   const vec3 tile = side.tile;
   if (tile.z < 0.0) return 1.0;
-  const float texel = lamps.s[lamp].texel_tangent, most = lamps.s[lamp].most_tangent;
+  const LampScale scale = lamp_scale(lamp);
+  const float texel = scale.texel_tangent, most = scale.most_tangent;
   const float away = max(-dot(normal, q), 1e-6 * z) / z;  // of the light from the plane
   // All depths in shares of the point's own.
   const vec2 slope = vec2(-dot(side.right, normal), dot(side.up, normal)) * (texel / away);  // over a texel
   // The last two for rounding: of the position, and of triangles' corners on the map, which lie on its subpixels.
-  const float bias = min(PLANE_LIFT_TEXELS / away, MOST_LIFT_TEXELS) * texel + lamps.s[lamp].bias_m / z + 9.5367432e-7 +
+  const float bias = min(PLANE_LIFT_TEXELS / away, MOST_LIFT_TEXELS) * texel + scale.bias_m / z + 9.5367432e-7 +
       (abs(slope.x) + abs(slope.y)) * (1.0 / 64.0);
   const vec2 tangent = clamp(vec2(dot(side.right, q), -dot(side.up, q)) / z, vec2(-most), vec2(most));
   // From the tile's middle: where the tile is must not matter to the last bit.
   const vec2 place = tangent / texel - 0.5, whole = floor(place), f = place - whole;
   LampPlane plane = LampPlane(lamp_near_m / z, bias, min(ROUND_LIFT_TEXELS / away, MOST_LIFT_TEXELS) * texel,
       slope, BLIND_TEXELS * texel);
-  const uint places = lamps.s[lamp].pixel_places;
+  const uint places = from.form >> 1u;
   const PixelSpan span = pixel_span(position, normal);
   const vec2 a = on_lamp_map(side, tangent, span.across) / texel, b = on_lamp_map(side, tangent, span.down) / texel;
   float lit = 0.0, all = 0.0;
@@ -134,7 +137,7 @@ float lamp_visibility(uint lamp, LightRef light, vec3 position, vec3 normal) {
       const vec2 at = clamp(tangent / texel + off, -last, last) - 0.5, first = floor(at), part = at - first;
       const vec4 stored = textureGather(
           sampler2DArray(pass_array_images[pc.lamp_maps], graph_samplers[SAMPLER_NEAREST_CLAMP]),
-          vec3((tile.xy + first + 1.0) * lamps.s[lamp].uv_per_texel, tile.z));
+          vec3((tile.xy + first + 1.0) * scale.uv_per_texel, tile.z));
       const vec2 from = first - place, weight = 1.0 - part;
       plane.bias = bias + PIXEL_CORNER_LIFT * texel * length(off);
       compare_texels(plane, stored, from.x + vec4(0.0, 1.0, 1.0, 0.0), from.y + vec4(1.0, 1.0, 0.0, 0.0),
@@ -147,7 +150,7 @@ float lamp_visibility(uint lamp, LightRef light, vec3 position, vec3 normal) {
   for (int j = 0; j < 4; j += 2) {
     for (int i = 0; i < 4; i += 2) {
       // From the corner that four texels share, in the order of textureGather.
-      const vec2 corner = (tile.xy + whole + vec2(float(i), float(j))) * lamps.s[lamp].uv_per_texel;
+      const vec2 corner = (tile.xy + whole + vec2(float(i), float(j))) * scale.uv_per_texel;
       const vec4 stored = textureGather(
           sampler2DArray(pass_array_images[pc.lamp_maps], graph_samplers[SAMPLER_NEAREST_CLAMP]), vec3(corner, tile.z));
       compare_texels(plane, stored, vec4(float(i), float(i + 1), float(i + 1), float(i)) - 1.0 - f.x,

@@ -1,13 +1,9 @@
 #pragma once
-// Of a texel's pixels, the first that a surface covers: its point. Needs lib/occlusion_points.glsl and pc.points.
-float texel_point(ivec2 texel) {
-  for (int i = 0; i < TEXEL_PX * TEXEL_PX; ++i) {
-    const ivec2 pixel = TEXEL_PX * texel + ivec2(i % TEXEL_PX, i / TEXEL_PX);
-    if (any(greaterThanEqual(uvec2(pixel), frame.size_px))) continue;
-    const float z = texelFetch(pass_images[pc.points], pixel, 0).r;
-    const uint name = uint(i * SAMPLES) + (floatBitsToUint(z) & occlusion_name_mask(PIXELS));
-    const float point = occlusion_named(z, name, SHAPE);
-    if (point > 0.0) return point;
-  }
-  return 0.0;
+// Of a texel's pixels, the first that a surface covers: its point. Needs lib/occlusion_points.glsl and
+// lib/occlusion_depth.glsl.
+ivec2 texel_pixel(ivec2 texel, int i) { return TEXEL_PX * texel + ivec2(i % TEXEL_PX, i / TEXEL_PX); }
+// Named as the texel's, of the point of its pixel number i.
+float point_of_texel(float pixel_point, int i) {
+  const uint name = uint(i * SAMPLES) + (floatBitsToUint(pixel_point) & occlusion_name_mask(PIXELS));
+  return occlusion_named(pixel_point, name, SHAPE);
 }

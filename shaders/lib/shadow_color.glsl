@@ -27,15 +27,17 @@ vec3 sun_shadow_color(uint sun, vec3 position) {
 #endif
 
 #if (COLORED_SHADOWS & 2) != 0
-vec3 lamp_shadow_color(uint lamp, vec3 position) {
-  LampShadowsRef lamps = LampShadowsRef(pc.lamps);
-  const vec3 q = position - lamps.s[lamp].position;
-  const LampFace side = lamp_face(lamp, q);
+vec3 lamp_shadow_color(uint number, vec3 position) {
+  LampRef lamp = lamp_at(number);
+  const LampPosition from = lamp_position(lamp);
+  const vec3 q = position - from.position;
+  const LampFace side = lamp_face(lamp, from.form, q);
   if (!(side.z > lamp_near_m) || side.tile.z < 0.0) return vec3(1.0);
-  const float most = lamps.s[lamp].most_tangent;
+  const LampScale scale = lamp_scale(lamp);
+  const float most = scale.most_tangent;
   const vec2 tangent = clamp(vec2(dot(side.right, q), -dot(side.up, q)) / side.z, vec2(-most), vec2(most));
   return shadow_color_at(pc.shadow_colors >> 16u & 0xffu,
-      (side.tile.xy + tangent / lamps.s[lamp].texel_tangent) * lamps.s[lamp].uv_per_texel, side.tile.z);
+      (side.tile.xy + tangent / scale.texel_tangent) * scale.uv_per_texel, side.tile.z);
 }
 #endif
 

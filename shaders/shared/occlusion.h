@@ -13,6 +13,7 @@ SHARED_BEGIN
 struct OcclusionPointsPush {
   uint64_t keys;  // in the place of depth
   uint depth, points;
+  uvec2 points_px;  // size of their image: the picture's, or by rays in texels
 };
 struct OcclusionPush {
   uint64_t keys;  // in the place of depth

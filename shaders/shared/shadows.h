@@ -34,17 +34,21 @@ struct SunShadow {
 
 // A point or spot light with shadow maps, square tiles of one layered image: six of a cube with the world's axes, or
 // one down a spot's cone. The reversed depth of a point at z metres along a map's axis is lamp_near_m / z. Points are
-// in relative space; tangents are metres across at a metre along.
+// in relative space; tangents are metres across at a metre along. Shaders read it by 64-bit words (lib/lamp_face.glsl).
+struct LampTilePlace {
+  uint middle_px;  // in texels: x, and y from bit 16 on
+  float layer;     // -1: the camera sees nothing that lies there
+};
 struct LampShadow {
   vec3 position;
-  uint is_cube;
-  vec3 right, up, forward;  // of the one map
+  uint form;  // 1: a cube; from bit 1 on LampKnobs::pixel_places
   float texel_tangent;      // a texel's side
   float most_tangent;       // of a lookup's middle: from there it does not leave the tile
   float uv_per_texel;
-  float bias_m;       // of z, for what rounding does to it
-  uint pixel_places;  // LampKnobs::pixel_places
-  vec3 tiles[6];      // middle in texels, and layer; -1: the camera sees nothing that lies there
+  float bias_m;             // of z, for what rounding does to it
+  vec3 right, up, forward;  // of the one map
+  float unused;
+  LampTilePlace tiles[6];
 };
 
 SHARED_END
@@ -52,11 +56,11 @@ SHARED_END
 #ifdef __cplusplus
 namespace candela::shared {
 static_assert(sizeof(SunCascade) == 20 && sizeof(SunShadow) == 228 && offsetof(SunShadow, cascades) == 68);
-static_assert(sizeof(LampShadow) == 144 && offsetof(LampShadow, tiles) == 72);
+static_assert(sizeof(LampShadow) == 120 && offsetof(LampShadow, right) == 32 && offsetof(LampShadow, tiles) == 72);
 }  // namespace candela::shared
 #else
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer SunShadowsRef { SunShadow s[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LampShadowsRef { LampShadow s[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer LampRef { uint64_t w[15]; };
 #endif
 
 #endif

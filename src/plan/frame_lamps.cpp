@@ -350,7 +350,7 @@ Expected<void> plan_lamps(const Scene& scene, const SurveyedFrame& frame, const 
   const ScratchVector<LampTile> tiles = pack_lamp_tiles(sizes, room.layer_px, &scratch);
   for (const Candidate& c : lamps) {
     out.shadows.push_back(lamp_shadow(c.lamp, c.size_px, room.layer_px));
-    out.shadows.back().pixel_places = uint32_t(knobs.pixel_places);
+    out.shadows.back().form |= uint32_t(knobs.pixel_places) << 1;
     out.lights.push_back(uint32_t(c.light));
   }
   ViewImage& image = out.image.emplace();

@@ -104,7 +104,7 @@ shared::LampShadow lamp_shadow(const Lamp& lamp, uint32_t size_px, uint32_t laye
   const LampAxes axes = lamp_axes(lamp, 0);
   shared::LampShadow out{};
   out.position = glm::vec3(lamp.position);
-  out.is_cube = lamp.is_cube() ? 1 : 0;
+  out.form = lamp.is_cube() ? 1 : 0;
   out.right = glm::vec3(axes.right);
   out.up = glm::vec3(axes.up);
   out.forward = glm::vec3(axes.forward);
@@ -113,7 +113,7 @@ shared::LampShadow lamp_shadow(const Lamp& lamp, uint32_t size_px, uint32_t laye
   out.uv_per_texel = float(1.0 / layer_px);
   // Positions have rounding errors of their distance from the camera.
   out.bias_m = float(0x1p-20 * glm::length(lamp.position));
-  for (glm::vec3& tile : out.tiles) tile = {0, 0, -1};
+  for (shared::LampTilePlace& tile : out.tiles) tile = {0, -1};
   return out;
 }
 
@@ -153,8 +153,8 @@ shared::View place_lamp_face(const Lamp& lamp, int face, uint32_t size_px, const
 void move_lamp_face(int face, uint32_t size_px, const LampTile& tile, shared::View& view, shared::LampShadow& shadow) {
   view.tile_px = tile.origin_px;
   view.tile_layer = tile.layer;
-  const glm::dvec2 centre = glm::dvec2(tile.origin_px) + size_px / 2.0;
-  shadow.tiles[face] = {float(centre.x), float(centre.y), float(tile.layer)};
+  const glm::uvec2 middle = tile.origin_px + size_px / 2;
+  shadow.tiles[face] = {middle.x | middle.y << 16, float(tile.layer)};
 }
 
 Hash128 lamp_face_key(const Lamp& lamp, int face, uint32_t size_px) {

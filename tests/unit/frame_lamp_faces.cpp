@@ -52,7 +52,7 @@ TEST(LampFaces, EveryDirectionLiesInOneFaceAndInsideItsBorder) {
     std::vector<shared::View> views;
     for (int face = 0; face < 6; ++face)
       views.push_back(place_lamp_face(lamp, face, size, {{0, 0}, uint32_t(face)}, shadow));
-    EXPECT_EQ(shadow.is_cube, 1u);
+    EXPECT_EQ(shadow.form, 1u);
     const double reach = double(shared::lamp_kernel_texels), texel = double(shadow.texel_tangent);
     for (int i = 0; i < 2000; ++i) {
       const glm::dvec3 q = random_direction(rng) * rng.uniform(0.01, 90);
@@ -72,7 +72,8 @@ TEST(LampFaces, EveryDirectionLiesInOneFaceAndInsideItsBorder) {
       EXPECT_NEAR(drawn.z, double(shared::lamp_near_m) / z, 1e-5 * drawn.z);
       // What the shader computes from the struct is where the view drew it.
       const glm::dvec2 tangent(glm::dot(axes.right, q) / z, -glm::dot(axes.up, q) / z);
-      const glm::dvec2 at = glm::dvec2(shadow.tiles[face]) + tangent / texel;
+      const glm::dvec2 at =
+          glm::dvec2(shadow.tiles[face].middle_px & 0xffffu, shadow.tiles[face].middle_px >> 16) + tangent / texel;
       EXPECT_NEAR(at.x, drawn.x, 1e-2);
       EXPECT_NEAR(at.y, drawn.y, 1e-2);
       EXPECT_LT(std::max(std::abs(tangent.x), std::abs(tangent.y)), double(shadow.most_tangent))

@@ -167,7 +167,8 @@ AmbientOcclusion::Out AmbientOcclusion::declare(GraphBuilder& builder, const In&
   out.find = builder.pipeline(ComputePipelineDesc{with_depth("occlusion_points.comp", in.depth), points});
   builder.begin_step();
   read_depth(builder, in.depth);
-  out.points = builder.write(image("occlusion.points", VK_FORMAT_R32_SFLOAT, picture), Access::storage_image_write);
+  out.points = builder.write(image("occlusion.points", VK_FORMAT_R32_SFLOAT, by_rays ? size : picture),
+                             Access::storage_image_write);
 
   ComputePipelineDesc integrate{"occlusion.comp", points};
   if (by_rays) {
@@ -218,8 +219,11 @@ void AmbientOcclusion::record(CommandList& commands, const In& in, const Out& ou
     shared::OcclusionPointsPush push{};
     push_depth(commands, in.depth, push);
     push.points = commands.storage(out.points);
+    const bool by_rays = knobs.method == Knobs::by_rays;
+    push.points_px = by_rays ? size : glm::uvec2(in.scene.width_px, in.scene.height_px);
     commands.push(push);
-    commands.dispatch_picture(in.scene.width_px, in.scene.height_px, PicturePart::seen);
+    commands.dispatch_picture(push.points_px.x, push.points_px.y, PicturePart::seen,
+                              by_rays ? uint32_t(knobs.texel_px) : 1);
     return;
   }
   // Without a radius what the screen shows hides as far as a part of the distance, in which lengths are then meant.

@@ -15,6 +15,7 @@
 
 namespace candela::gpu {
 
+class CompileAhead;
 struct PrepareTimes;
 
 struct Pipeline {
@@ -60,6 +61,9 @@ class Pipelines {
   VkShaderModule make_module(std::span<const uint32_t> spirv, const std::string& file) const;
   void load_cache();
   void save_cache();
+  // Where the driver's cache on disk has little of them, as far as is known, begins to fill it (gpu/compile_ahead.h).
+  void compile_ahead(std::span<const PipelineDesc> missing);
+  std::filesystem::path known_file() const;
 
   Device& device_;
   Bindless& bindless_;
@@ -76,6 +80,7 @@ class Pipelines {
   };
   std::map<std::string, Shader> shaders_;                             // by file
   std::map<std::string, std::shared_ptr<const Pipeline>> pipelines_;  // by key
+  std::unique_ptr<CompileAhead> ahead_;
 };
 
 }  // namespace candela::gpu

@@ -103,7 +103,7 @@ CompileAhead::CompileAhead(const Candidate& device, uint32_t textures, uint32_t 
           Second second(device, textures, samplers);
           // The first passes are the frame's own: it reaches them before these would.
           const size_t own = shaders.size() * 2 / 5;
-          for (size_t i = shaders.size(); i-- > own && !ends_;) second.compile(shaders[i]);
+          for (size_t i = shaders.size(); i-- > own && !ends_; ++compiled_) second.compile(shaders[i]);
         } catch (const std::exception& error) {
           log::debug("nothing more is compiled ahead: {}", error.what());
         }
@@ -111,7 +111,12 @@ CompileAhead::CompileAhead(const Candidate& device, uint32_t textures, uint32_t 
 
 CompileAhead::~CompileAhead() {
   ends_ = true;
-  thread_.join();
+  finished();
+}
+
+size_t CompileAhead::finished() {
+  if (thread_.joinable()) thread_.join();
+  return compiled_;
 }
 
 }  // namespace candela::gpu

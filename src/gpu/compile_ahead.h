@@ -23,12 +23,14 @@ struct ShaderAhead {
 class CompileAhead {
  public:
   CompileAhead(const Candidate& device, uint32_t textures, uint32_t samplers, std::vector<ShaderAhead> shaders);
-  ~CompileAhead();  // ends it after the shader that it is at
+  ~CompileAhead();    // ends it after the shader that it is at
+  size_t finished();  // waits until it has ended; how many shaders it has compiled
   CompileAhead(const CompileAhead&) = delete;
   CompileAhead& operator=(const CompileAhead&) = delete;
 
  private:
   std::atomic<bool> ends_ = false;
+  std::atomic<size_t> compiled_ = 0;
   std::thread thread_;
 };
 

@@ -159,6 +159,8 @@ void Pipelines::save_cache() {
     on_disk_ = hash;
 }
 
+size_t Pipelines::compiled_ahead() { return ahead_ ? ahead_->finished() : 0; }
+
 std::filesystem::path Pipelines::known_file() const { return cache_file().replace_extension(".known"); }
 
 // The file has a hash a line of each compute pipeline that a process on this machine has used with this driver: where

@@ -39,6 +39,7 @@ class Pipelines {
   Expected<std::vector<const Pipeline*>> get(std::span<const PipelineDesc> wanted, PrepareTimes& times);
   bool hold(std::span<const PipelineDesc> wanted) const;  // all of them are there
   std::filesystem::path cache_file() const;
+  size_t compiled_ahead();  // how many compute shaders; waits for them
 
  private:
   Expected<void> compile(std::span<const PipelineDesc> wanted, PrepareTimes& times);

@@ -1,7 +1,9 @@
 #include "gpu/pipeline_store.h"
 
+#include <algorithm>
 #include <span>
 
+#include "base/check.h"
 #include "gpu/bindless.h"
 #include "gpu/pipelines.h"
 
@@ -86,6 +88,13 @@ const PipelineLayout& PipelineStore::layout(uint32_t textures, uint32_t samplers
   info.pPushConstantRanges = &range;
   VK_CHECK(vkCreatePipelineLayout(device_, &info, nullptr, &made.handle));
   return made;
+}
+
+const PipelineLayout& PipelineStore::layout_of(VkPipelineLayout handle) {
+  std::lock_guard lock(mutex_);
+  const auto found = std::ranges::find_if(layouts_, [&](const auto& one) { return one.second.handle == handle; });
+  CHECK(found != layouts_.end());
+  return found->second;
 }
 
 std::shared_ptr<const Pipeline> PipelineStore::find(const std::string& key) {

@@ -37,6 +37,7 @@ class PipelineStore {
 
   // For so many textures and samplers; made at the first call. Throws GpuError.
   const PipelineLayout& layout(uint32_t textures, uint32_t samplers);
+  const PipelineLayout& layout_of(VkPipelineLayout handle);  // one of those
 
   // key: shaders by content, constants, state and layout. Null: there is none.
   std::shared_ptr<const Pipeline> find(const std::string& key);

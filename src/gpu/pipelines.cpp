@@ -2,16 +2,21 @@
 
 #include <tbb/parallel_for.h>
 
+#include <atomic>
 #include <cstring>
 #include <exception>
 #include <set>
+#include <thread>
 
 #include "base/check.h"
 #include "base/clock.h"
 #include "base/files.h"
 #include "base/log.h"
+#include "gpu/compile_ahead.h"
 #include "gpu/device_select.h"
 #include "gpu/frame_runner.h"
+#include "gpu/shared_device.h"
+#include "gpu/specialization_info.h"
 #include "gpu/specialize.h"
 #include "gpu/workgroup_size.h"
 
@@ -55,22 +60,6 @@ std::vector<std::string> shaders_of(const PipelineDesc& desc) {
   return {graphics.vertex_shader, graphics.fragment_shader};
 }
 
-// VkSpecializationInfo points into its parts, so they live together.
-struct Specialization {
-  explicit Specialization(const std::vector<SpecConstant>& constants) {
-    for (const SpecConstant& c : constants) {
-      entries.push_back({c.id, uint32_t(values.size() * 4), 4});
-      values.push_back(c.value);
-    }
-    info = {uint32_t(entries.size()), entries.data(), values.size() * 4, values.data()};
-  }
-  Specialization(const Specialization&) = delete;
-  Specialization& operator=(const Specialization&) = delete;
-  std::vector<VkSpecializationMapEntry> entries;
-  std::vector<uint32_t> values;
-  VkSpecializationInfo info{};
-};
-
 bool uses(const std::vector<uint32_t>& spirv, uint32_t capability) {
   constexpr size_t header_words = 5;
   constexpr uint32_t op_capability = (2u << 16) | 17u;
@@ -113,6 +102,7 @@ Pipelines::Pipelines(Device& device, Bindless& bindless, glsl::ShaderCompiler co
 }
 
 Pipelines::~Pipelines() {
+  ahead_.reset();
   pipelines_.clear();
   for (const auto& [file, shader] : shaders_) vkDestroyShaderModule(device_.handle(), shader.module, nullptr);
   vkDestroyPipelineCache(device_.handle(), cache_, nullptr);
@@ -167,6 +157,39 @@ void Pipelines::save_cache() {
     log::debug("pipeline cache: {}", written.error().text());
   else
     on_disk_ = hash;
+}
+
+size_t Pipelines::compiled_ahead() { return ahead_ ? ahead_->finished() : 0; }
+
+std::filesystem::path Pipelines::known_file() const { return cache_file().replace_extension(".known"); }
+
+// The file has a hash a line of each compute pipeline that a process on this machine has used with this driver: where
+// they are in it, so is their code in the driver's own cache, unless that was emptied.
+void Pipelines::compile_ahead(std::span<const PipelineDesc> missing) {
+  constexpr size_t least_shaders = 6, digits = 32, most_known = 1 << 15;
+  if (!specializes_ || cache_folder_.empty() || std::thread::hardware_concurrency() < 2) return;
+  const auto chosen = candidate_without_validation(device_.instance(), device_.physical());
+  if (!chosen) return;
+  std::set<std::string> known;
+  if (const auto bytes = read_file(known_file()))
+    for (size_t at = 0; at + digits < bytes->size() && known.size() < most_known; at += digits + 1)
+      known.emplace(reinterpret_cast<const char*>(bytes->data()) + at, digits);
+  std::vector<ShaderAhead> shaders;
+  for (const PipelineDesc& desc : missing)
+    if (const auto* compute = std::get_if<ComputePipelineDesc>(&desc))
+      if (known.insert(hash128(store_key(desc)).hex()).second)
+        shaders.push_back({specialized(shaders_.at(compute->shader).spirv, compute->constants), compute->constants});
+  if (shaders.empty()) return;
+  std::string text;
+  for (const std::string& one : known) text += one + "\n";
+  std::error_code error;
+  std::filesystem::create_directories(known_file().parent_path(), error);
+  (void)replace_file_atomically(known_file(), std::as_bytes(std::span(text)));
+  // Once in a process: what comes later comes bit by bit.
+  static std::atomic<bool> done = false;
+  if (shaders.size() < least_shaders || done.exchange(true)) return;
+  const PipelineLayout& layout = device_.store().layout_of(bindless_.layout());
+  ahead_ = std::make_unique<CompileAhead>(*chosen, layout.textures, layout.samplers, std::move(shaders));
 }
 
 Expected<void> Pipelines::compile(std::span<const PipelineDesc> wanted, PrepareTimes& times) {
@@ -238,6 +261,7 @@ Expected<std::vector<const Pipeline*>> Pipelines::get(std::span<const PipelineDe
   if (!missing.empty()) {
     const auto start = Clock::now();
     make_modules(missing);
+    compile_ahead(missing);
     std::vector<Pipeline> made(missing.size());
     std::vector<std::exception_ptr> failures(missing.size());
     tbb::parallel_for(size_t(0), missing.size(), [&](size_t i) {

@@ -15,6 +15,7 @@
 
 namespace candela::gpu {
 
+class CompileAhead;
 struct PrepareTimes;
 
 struct Pipeline {
@@ -38,6 +39,7 @@ class Pipelines {
   Expected<std::vector<const Pipeline*>> get(std::span<const PipelineDesc> wanted, PrepareTimes& times);
   bool hold(std::span<const PipelineDesc> wanted) const;  // all of them are there
   std::filesystem::path cache_file() const;
+  size_t compiled_ahead();  // how many compute shaders; waits for them
 
  private:
   Expected<void> compile(std::span<const PipelineDesc> wanted, PrepareTimes& times);
@@ -60,6 +62,9 @@ class Pipelines {
   VkShaderModule make_module(std::span<const uint32_t> spirv, const std::string& file) const;
   void load_cache();
   void save_cache();
+  // Where the driver's cache on disk has little of them, as far as is known, begins to fill it (gpu/compile_ahead.h).
+  void compile_ahead(std::span<const PipelineDesc> missing);
+  std::filesystem::path known_file() const;
 
   Device& device_;
   Bindless& bindless_;
@@ -76,6 +81,7 @@ class Pipelines {
   };
   std::map<std::string, Shader> shaders_;                             // by file
   std::map<std::string, std::shared_ptr<const Pipeline>> pipelines_;  // by key
+  std::unique_ptr<CompileAhead> ahead_;
 };
 
 }  // namespace candela::gpu

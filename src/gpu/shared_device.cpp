@@ -37,7 +37,33 @@ F instance_function(VkInstance instance, const char* name) {
   return reinterpret_cast<F>(vkGetInstanceProcAddr(instance, name));
 }
 
-// With both queues where it has two.
+// One of each kind is opened, and closed when the process ends.
+struct Shared {
+  std::mutex mutex;                                                     // guards what follows
+  std::map<bool, std::shared_ptr<OpenInstance>> instances;              // by whether they validate
+  std::map<std::pair<bool, int>, std::shared_ptr<OpenDevice>> devices;  // and by index
+};
+Shared& shared() {
+  static Shared* const all = new Shared;  // closed by close_all, before the libraries of drivers and layers are
+  return *all;
+}
+void close_all() {
+  shared().devices.clear();
+  shared().instances.clear();
+}
+
+Expected<std::shared_ptr<OpenInstance>> instance_of(Shared& all, bool validate) {
+  std::shared_ptr<OpenInstance>& kept = all.instances[validate];
+  if (kept) return kept;
+  auto instance = std::make_shared<OpenInstance>();
+  if (auto opened = instance->open(validate); !opened) return std::unexpected(opened.error());
+  if (instance->candidates.empty()) return instance;  // looked for again the next time
+  [[maybe_unused]] static const int closes = std::atexit(close_all);
+  return kept = std::move(instance);
+}
+
+}  // namespace
+
 Expected<VkDevice> create_device(const Candidate& chosen) {
   DeviceFeatures present, wanted;
   vkGetPhysicalDeviceFeatures2(chosen.physical, &present.core);
@@ -86,33 +112,6 @@ Expected<VkDevice> create_device(const Candidate& chosen) {
         start_error(result, fmt::format("the device {} does not open: {}", chosen.info.name, result_name(result))));
   return device;
 }
-
-// One of each kind is opened, and closed when the process ends.
-struct Shared {
-  std::mutex mutex;                                                     // guards what follows
-  std::map<bool, std::shared_ptr<OpenInstance>> instances;              // by whether they validate
-  std::map<std::pair<bool, int>, std::shared_ptr<OpenDevice>> devices;  // and by index
-};
-Shared& shared() {
-  static Shared* const all = new Shared;  // closed by close_all, before the libraries of drivers and layers are
-  return *all;
-}
-void close_all() {
-  shared().devices.clear();
-  shared().instances.clear();
-}
-
-Expected<std::shared_ptr<OpenInstance>> instance_of(Shared& all, bool validate) {
-  std::shared_ptr<OpenInstance>& kept = all.instances[validate];
-  if (kept) return kept;
-  auto instance = std::make_shared<OpenInstance>();
-  if (auto opened = instance->open(validate); !opened) return std::unexpected(opened.error());
-  if (instance->candidates.empty()) return instance;  // looked for again the next time
-  [[maybe_unused]] static const int closes = std::atexit(close_all);
-  return kept = std::move(instance);
-}
-
-}  // namespace
 
 void MessageLog::add(const std::string& message) {
   std::lock_guard lock(mutex_);
@@ -179,6 +178,15 @@ OpenDevice::~OpenDevice() {
 Expected<std::shared_ptr<OpenInstance>> shared_instance(bool validate) {
   std::lock_guard lock(shared().mutex);
   return instance_of(shared(), validate);
+}
+
+std::optional<Candidate> candidate_without_validation(VkInstance instance, VkPhysicalDevice device) {
+  std::lock_guard lock(shared().mutex);
+  const auto found = shared().instances.find(false);
+  if (found == shared().instances.end() || !found->second || found->second->handle != instance) return {};
+  for (const Candidate& candidate : found->second->candidates)
+    if (candidate.physical == device) return candidate;
+  return {};
 }
 
 Expected<std::shared_ptr<OpenDevice>> shared_device(bool validate, std::string_view which) {

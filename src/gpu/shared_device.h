@@ -1,6 +1,7 @@
 #pragma once
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -61,6 +62,10 @@ struct OpenDevice {
   OpenDevice& operator=(const OpenDevice&) = delete;
 };
 
+// Of the instance without the validation layer; none of another.
+std::optional<Candidate> candidate_without_validation(VkInstance instance, VkPhysicalDevice device);
+// Opens it, with both queues where it has two.
+Expected<VkDevice> create_device(const Candidate& chosen);
 // The process's instance, with the validation layer or without. Errors as find_candidates(); the next call tries again.
 Expected<std::shared_ptr<OpenInstance>> shared_instance(bool validate);
 // The device that `which` means (DeviceOptions::which): the one that is open, unless it is lost.

@@ -1,4 +1,5 @@
 #include <fstream>
+#include <thread>
 
 #include "base/files.h"
 #include "glsl/shader_sources.h"
@@ -164,6 +165,28 @@ TEST_F(Shaders, PipelinesAreMadeOnceAndTheirCacheSurvivesDamage) {
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().place, "none.comp");
   EXPECT_EQ((*device)->validation_messages(), std::vector<std::string>{});
+}
+
+// But for the first passes, which the frame reaches before. Once: then they are known. Only where nothing validates.
+TEST_F(Shaders, WhatACpusDriverDoesNotKnowIsCompiledAhead) {
+  std::vector<PipelineDesc> wanted;
+  for (int i = 0; i < 6; ++i) {
+    const std::string name = fmt::format("n{}.comp", i);
+    write(name.c_str(), "#version 460\nlayout(local_size_x = 1) in;\nvoid main() {}\n");
+    wanted.push_back(ComputePipelineDesc{.shader = name});
+  }
+  for (const bool validates : {true, false}) {
+    const auto device = Device::open({.validate = validates});
+    ASSERT_TRUE(device) << device.error().text();
+    const bool ahead = !validates && (*device)->info().is_cpu && std::thread::hardware_concurrency() > 1;
+    for (uint32_t round = 0; round < 2; ++round) {
+      Bindless bindless(**device, 256u << round);  // layouts of its own, as above
+      Pipelines pipelines(**device, bindless, glsl::ShaderCompiler(folder), folder);
+      PrepareTimes times;
+      ASSERT_TRUE(pipelines.get(wanted, times));
+      EXPECT_EQ(pipelines.compiled_ahead(), ahead && round == 0 ? 4u : 0u) << validates << " " << round;
+    }
+  }
 }
 
 TEST_F(Shaders, PipelinesOutliveWhoMadeThem) {

@@ -19,6 +19,7 @@
 #include "base/hash.h"
 #include "base/input.h"
 #include "base/prepared_file.h"
+#include "base/stale_files.h"
 
 namespace candela {
 namespace fs = std::filesystem;
@@ -136,13 +137,14 @@ std::optional<Temporary> temporary_of(std::string_view name) {
   return temporary;
 }
 
-// It is no longer being written. Of other machines only the clock of the file tells: nothing is written for a day.
+// It is no longer being written. Of other machines only the clock of the file tells: nothing is written for a week, and
+// clocks of machines are not off by as much.
 bool is_stale(const Temporary& temporary, int folder, const std::string& name) {
   if (temporary.machine == machine_mark()) return kill(temporary.process, 0) != 0 && errno == ESRCH;
   struct stat info {};
-  constexpr int64_t day_s = 24 * 60 * 60;
+  constexpr int64_t week_s = 7 * 24 * 60 * 60;
   return fstatat(folder, name.c_str(), &info, AT_SYMLINK_NOFOLLOW) == 0 &&
-         int64_t(time(nullptr)) - int64_t(info.st_mtime) > day_s;
+         int64_t(time(nullptr)) - int64_t(info.st_mtime) > week_s;
 }
 
 // A name for what becomes the target once it is whole. Its length does not depend on the target's, whose ending is kept
@@ -181,7 +183,26 @@ Expected<fs::path> target_of(const fs::path& path) {
   return target;
 }
 
+// Null: of all targets.
+void remove_stale(const fs::path& folder, const std::set<std::string>* marks) {
+  const int there = open_folder(folder, O_RDONLY);
+  DIR* entries = there < 0 ? nullptr : fdopendir(there);
+  if (!entries) {
+    if (there >= 0) close(there);
+    return;
+  }
+  while (const dirent* entry = readdir(entries)) {
+    const std::string name = entry->d_name;
+    const auto temporary = temporary_of(name);
+    if (temporary && (!marks || marks->contains(std::string(temporary->target))) && is_stale(*temporary, there, name))
+      unlinkat(there, name.c_str(), 0);
+  }
+  closedir(entries);
+}
+
 }  // namespace
+
+void remove_all_stale_temporaries(const fs::path& folder) { remove_stale(folder, nullptr); }
 
 void remove_stale_temporaries(std::span<const fs::path> targets) {
   std::map<fs::path, std::set<std::string>> marks_in;
@@ -189,21 +210,7 @@ void remove_stale_temporaries(std::span<const fs::path> targets) {
     const auto target = target_of(path);
     if (target) marks_in[folder_of(*target)].insert(target_mark(*target));
   }
-  for (const auto& [folder, marks] : marks_in) {
-    const int there = open_folder(folder, O_RDONLY);
-    DIR* entries = there < 0 ? nullptr : fdopendir(there);
-    if (!entries) {
-      if (there >= 0) close(there);
-      continue;
-    }
-    while (const dirent* entry = readdir(entries)) {
-      const std::string name = entry->d_name;
-      const auto temporary = temporary_of(name);
-      if (temporary && marks.contains(std::string(temporary->target)) && is_stale(*temporary, there, name))
-        unlinkat(there, name.c_str(), 0);
-    }
-    closedir(entries);
-  }
+  for (const auto& [folder, marks] : marks_in) remove_stale(folder, &marks);
 }
 
 void remove_stale_temporaries(const std::set<fs::path>& folders,

@@ -11,6 +11,7 @@
 #include "base/files.h"
 #include "base/json.h"
 #include "base/log.h"
+#include "base/stale_files.h"
 #include "base/text.h"
 #include "cli/command.h"
 #include "cli/progress.h"
@@ -298,9 +299,9 @@ void remove_stale_files(const FarmJob& job) {
   });
   std::vector<fs::path> others;
   if (!job.video.empty()) others.push_back(job.work / job.video);
-  std::error_code failed;
-  for (const auto& record : fs::directory_iterator(farm_records(job.folder), failed)) others.push_back(record.path());
   remove_stale_temporaries(others);
+  // A run that was killed while it wrote its first record has none by whose name this could be found.
+  remove_all_stale_temporaries(farm_records(job.folder));
 }
 
 Expected<int> run_check(const StatusOptions& o) {

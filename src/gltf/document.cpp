@@ -33,11 +33,25 @@ Json core_only(const Json& value, int depth) {
   return value;
 }
 
+// Throws Failure. Frees `core` before tinygltf makes its own.
+void parse_with_tinygltf(const Document& document, Json core, tinygltf::Model& model) {
+  const std::string text = core.dump();
+  core = nullptr;
+  tinygltf::TinyGLTF parser;
+  std::string error, warning;
+  const bool parsed = parser.LoadASCIIFromString(&model, &error, &warning, text.data(), unsigned(text.size()), "", 0);
+  while (!error.empty() && std::isspace(static_cast<unsigned char>(error.back()))) error.pop_back();
+  if (!parsed) document.refuse("/", "the structure could not be read: {}", error);
+  for (size_t i = 0; i < model.meshes.size(); ++i)
+    if (model.meshes[i].primitives.size() != document.json["meshes"][i].value("primitives", Json::array()).size())
+      document.refuse(fmt::format("/meshes/{}/primitives", i), "a primitive could not be read: {}", error);
+}
+
 // tinygltf refuses index accessors without a buffer view, which Draco files have; they get one past the last.
 void parse_core(Document& document) {
   Json core = Json::object();
-  for (const char* key : {"asset", "accessors", "bufferViews", "meshes", "nodes", "scenes", "scene", "materials",
-                          "textures", "samplers", "skins", "cameras"})
+  for (const char* key :
+       {"asset", "accessors", "bufferViews", "meshes", "scenes", "scene", "textures", "samplers", "skins", "cameras"})
     if (const Json* value = member(document.json, key)) core[key] = core_only(*value, 1);
   Json& views = core["bufferViews"];
   if (!views.is_array()) views = Json::array();
@@ -46,18 +60,7 @@ void parse_core(Document& document) {
   if (core.contains("accessors"))
     for (Json& accessor : core["accessors"])
       if (accessor.is_object() && !accessor.contains("bufferView")) accessor["bufferView"] = document.missing_view;
-
-  const std::string text = core.dump();
-  tinygltf::TinyGLTF parser;
-  std::string error, warning;
-  const bool parsed =
-      parser.LoadASCIIFromString(&document.model, &error, &warning, text.data(), unsigned(text.size()), "", 0);
-  while (!error.empty() && std::isspace(static_cast<unsigned char>(error.back()))) error.pop_back();
-  if (!parsed) document.refuse("/", "the structure could not be read: {}", error);
-  for (size_t i = 0; i < document.model.meshes.size(); ++i)
-    if (document.model.meshes[i].primitives.size() !=
-        document.json["meshes"][i].value("primitives", Json::array()).size())
-      document.refuse(fmt::format("/meshes/{}/primitives", i), "a primitive could not be read: {}", error);
+  parse_with_tinygltf(document, std::move(core), document.model);
 }
 
 // Versions: a 2.x file is readable unless it says that it needs a later minor version (glTF 2.0 section 3.2).
@@ -158,6 +161,19 @@ Document open_document(std::span<const std::byte> bytes, const std::string& name
   document.decompressed.resize(document.model.bufferViews.size());
   if (const Json* buffers = member(document.json, "buffers")) document.buffers.resize(buffers->size());
   return document;
+}
+
+std::vector<tinygltf::Node> core_nodes(const Document& document, size_t first, size_t count) {
+  const Json* nodes = member(document.json, "nodes");
+  if (!nodes || !nodes->is_array() || first >= nodes->size()) return {};
+  Json part = Json::array();
+  for (size_t i = first; i < std::min(first + count, nodes->size()); ++i) part.push_back(core_only((*nodes)[i], 2));
+  Json core = Json::object();
+  core["asset"] = {{"version", "2.0"}};
+  core["nodes"] = std::move(part);
+  tinygltf::Model model;
+  parse_with_tinygltf(document, std::move(core), model);
+  return std::move(model.nodes);
 }
 
 std::span<const std::byte> view_bytes(Document& document, int view, const std::string& path) {

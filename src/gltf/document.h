@@ -30,8 +30,10 @@ struct Document {
   Json json;
   std::span<const std::byte> binary;  // of a .glb; lies in the caller's bytes
   bool has_binary = false;
-  tinygltf::Model model;  // core glTF; buffers, images, animations and extensions are read from `json`
-  int missing_view = -1;  // model's stand-in for an absent accessor.bufferView
+  // Core glTF without nodes (core_nodes), and without buffers, images, materials, animations and extensions, which are
+  // read from `json`.
+  tinygltf::Model model;
+  int missing_view = -1;                            // model's stand-in for an absent accessor.bufferView
   std::vector<std::span<const std::byte>> buffers;  // empty until buffer_bytes() is asked for them (named_files.h)
   std::vector<std::vector<std::byte>> storage;      // what read buffers lie in
   std::vector<std::optional<std::vector<std::byte>>> decompressed;  // per buffer view (meshopt.h)
@@ -60,6 +62,8 @@ struct Document {
 // animated: as LoadOptions has it.
 Document open_document(std::span<const std::byte> bytes, const std::string& name, const std::filesystem::path& folder,
                        bool animated = true);
+// Nodes from `first` on as core glTF has them, `count` at most: all at once would take many times the file.
+std::vector<tinygltf::Node> core_nodes(const Document& document, size_t first, size_t count);
 // A buffer view's bytes; decompressed where it says so (meshopt.h).
 std::span<const std::byte> view_bytes(Document& document, int view, const std::string& path);
 

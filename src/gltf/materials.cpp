@@ -387,11 +387,13 @@ void import_materials(Document& document, const std::set<std::string>& pointers,
       return {};
     }
   };
-  if (const Json* materials = member(document.json, "materials"))
+  if (const Json* materials = member(document.json, "materials")) {
+    scene.materials.reserve(materials->size());
     for (size_t i = 0; i < materials->size(); ++i) {
       scene.materials.push_back(read((*materials)[i], fmt::format("/materials/{}", i)));
       choose_uv_sets(document, int(i), scene.materials.back());
     }
+  }
   import_images(document, importer.image_used, scene);
   for (SceneImage& merged : importer.merged_images) scene.images.push_back(std::move(merged));
   check_transfer(document, scene);

@@ -334,8 +334,11 @@ void read_default_weights(Document& document, size_t mesh, Mesh& out) {
 
 void import_meshes(Document& document, Scene& scene) {
   std::vector<bool> used(document.model.meshes.size());
-  for (const tinygltf::Node& node : document.model.nodes)
-    if (node.mesh >= 0 && size_t(node.mesh) < used.size()) used[size_t(node.mesh)] = true;
+  if (const Json* nodes = member(document.json, "nodes"))
+    for (const Json& node : *nodes) {
+      const Json* mesh = member(node, "mesh");
+      if (mesh && mesh->is_number_unsigned() && mesh->get<uint64_t>() < used.size()) used[mesh->get<size_t>()] = true;
+    }
   for (size_t m = 0; m < document.model.meshes.size(); ++m) {
     Mesh mesh;
     mesh.name = document.model.meshes[m].name;

@@ -72,8 +72,7 @@ int light_of(const Document& document, const Json& json, const Scene& scene, con
                : -1;
 }
 
-Node read_node(Document& document, const Scene& scene, size_t index) {
-  const tinygltf::Node& source = document.model.nodes[index];
+Node read_node(Document& document, const Scene& scene, size_t index, const tinygltf::Node& source) {
   const Json& json = document.json["nodes"][index];
   const std::string path = fmt::format("/nodes/{}", index);
   Node node;
@@ -207,7 +206,13 @@ void check_joint_indices(const Document& document, const Scene& scene) {
 }  // namespace
 
 void import_nodes(Document& document, Scene& scene) {
-  for (size_t i = 0; i < document.model.nodes.size(); ++i) scene.nodes.push_back(read_node(document, scene, i));
+  if (const Json* nodes = member(document.json, "nodes")) scene.nodes.reserve(nodes->size());
+  constexpr size_t at_once = 1024;
+  for (;;) {
+    const std::vector<tinygltf::Node> some = core_nodes(document, scene.nodes.size(), at_once);
+    if (some.empty()) break;
+    for (const tinygltf::Node& node : some) scene.nodes.push_back(read_node(document, scene, scene.nodes.size(), node));
+  }
   set_parents(document, scene);
   refuse_loops(document, scene);
   choose_roots(document, scene);

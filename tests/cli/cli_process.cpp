@@ -107,6 +107,67 @@ TEST(Interrupts, GoldenCheckSaysHowToGoOn) {
   EXPECT_EQ(candela({"golden", "check", "--root", root, "--from-golden", "f", "--quiet"}).code, 0);
 }
 
+// A file of many small parts takes at most 40 times its size.
+TEST(Limits, ManyMaterialsFitIntoMemory) {
+  TestFolder folder;
+  std::string text = R"({"asset":{"version":"2.0"},"nodes":[{}],"scenes":[{"nodes":[0]}],"materials":[{})";
+  for (int i = 0; i < 50'000; ++i)
+    text +=
+        R"(,{"name":"m)" + std::to_string(i) +
+        R"(","pbrMetallicRoughness":{"baseColorFactor":[0.5,0.25,0.125,1],"metallicFactor":0,"roughnessFactor":0.5}})";
+  std::ofstream(folder / "many.gltf") << text << "]}";
+  const Ended ended =
+      candela_in_shell("ulimit -c 0; ulimit -v " + std::to_string(text.size() * 40 >> 10) + "; exec \"$0\" \"$@\"",
+                       {"facts", folder / "many.gltf"});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+}
+
+// Starts candela and sends a signal once it holds signals (its handler is in place); how it ended, as waitpid says.
+int interrupted_once_held(const Arguments& arguments, const std::string& err, int signal) {
+  const int process = start_candela(arguments, "/dev/null", err);
+  const auto holds = [&] {
+    std::ifstream file("/proc/" + std::to_string(process) + "/status");
+    for (std::string line; std::getline(file, line);)
+      if (line.starts_with("SigCgt:")) return (std::stoull(line.substr(7), nullptr, 16) >> (SIGINT - 1) & 1) != 0;
+    return true;  // it has ended
+  };
+  while (!holds()) usleep(1'000);
+  kill(process, signal);
+  int status = 0;
+  waitpid(process, &status, 0);
+  return status;
+}
+
+TEST(Interrupts, SheetWritesNothingAndSaysSo) {
+  TestFolder folder;
+  ASSERT_EQ(candela({"render", scene("unlit-box"), "--size", "64x36", "--quiet", "-o", folder / "a.png"}).code, 0);
+  Arguments arguments{"sheet"};
+  arguments.insert(arguments.end(), 1000, folder / "a.png");
+  arguments.insert(arguments.end(), {"-o", folder / "sheet.png", "--tile", "8x8"});
+  const int status = interrupted_once_held(arguments, folder / "err", SIGINT);
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGINT) << status << bytes_of(folder / "err");
+  EXPECT_NE(bytes_of(folder / "err").find("the same command begins again"), std::string::npos);
+  EXPECT_EQ(files_in(folder.path()), (Arguments{"a.png", "err"}));
+}
+
+TEST(Interrupts, MakeSceneLeavesAWholeSceneOrNone) {
+  TestFolder folder;
+  const Arguments arguments{"make-scene", "light-field", "--lights", "20000", "-o", folder / "a.glb"};
+  const int status = interrupted_once_held(arguments, folder / "err", SIGINT);
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGINT) << status << bytes_of(folder / "err");
+  EXPECT_NE(bytes_of(folder / "err").find("interrupted, but the scene is whole"), std::string::npos);
+  const std::string interrupted = bytes_of(folder / "a.glb");
+  ASSERT_EQ(candela(arguments).code, 0);
+  EXPECT_TRUE(interrupted == bytes_of(folder / "a.glb"));
+  // A kill leaves no half scene under the name that was asked for, and the same command makes it.
+  fs::remove(folder / "a.glb");
+  const int killed = interrupted_once_held(arguments, folder / "err", SIGKILL);
+  EXPECT_TRUE(WIFSIGNALED(killed));
+  EXPECT_TRUE(!fs::exists(folder / "a.glb") || bytes_of(folder / "a.glb") == interrupted);
+  EXPECT_EQ(candela({"make-scene", "light-field", "-o", folder / "a.glb"}).code, 0);
+  for (const std::string& name : files_in(folder.path())) EXPECT_NE(name[0], '.') << name;
+}
+
 TEST(Names, TheLongestLegalOneIsWrittenAndALongerOneRefusedBeforeRendering) {
   TestFolder folder;
   const std::string name = std::string(251, 'n') + ".png";

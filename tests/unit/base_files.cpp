@@ -11,6 +11,7 @@
 
 #include "base/prepared_file.h"
 #include "base/process.h"
+#include "base/stale_files.h"
 
 namespace candela {
 namespace {
@@ -115,7 +116,7 @@ TEST_F(Files, TemporariesOfDeadProcessesAreRemovedAndNoOthers) {
 }
 
 // On a shared folder, process 7 of one container is not process 7 of another.
-TEST_F(Files, TemporariesOfOtherMachinesStayForADay) {
+TEST_F(Files, TemporariesOfOtherMachinesStayForAWeek) {
   const fs::path target = folder / "frame.exr";
   std::string name;  // .candela-TARGET-MACHINE-PROCESS-RANDOM.tmp.exr
   {
@@ -127,11 +128,20 @@ TEST_F(Files, TemporariesOfOtherMachinesStayForADay) {
   const size_t process = machine + 9;
   name.replace(process, name.find('-', process) - process, "999999999");  // of no process here
   std::ofstream(folder / name) << "part";
-  remove_stale_temporaries(std::span(&target, 1));
+  const fs::path other = folder / "other.exr";
+  for (const int hours : {0, 25}) {  // a clock that is a day ahead makes no new file old
+    fs::last_write_time(folder / name, fs::file_time_type::clock::now() - std::chrono::hours(hours));
+    remove_stale_temporaries(std::span(&target, 1));
+    remove_all_stale_temporaries(folder);
+    EXPECT_TRUE(fs::exists(folder / name));
+  }
+  fs::last_write_time(folder / name, fs::file_time_type::clock::now() - std::chrono::hours(24 * 8));
+  remove_stale_temporaries(std::span(&other, 1));
   EXPECT_TRUE(fs::exists(folder / name));
-  fs::last_write_time(folder / name, fs::file_time_type::clock::now() - std::chrono::hours(25));
-  remove_stale_temporaries(std::span(&target, 1));
+  std::ofstream(folder / "notes") << "mine";
+  remove_all_stale_temporaries(folder);
   EXPECT_FALSE(fs::exists(folder / name));
+  EXPECT_TRUE(fs::exists(folder / "notes"));
 }
 
 // Whoever may write in the folder could guess names that count, and place links to what only we may write.

@@ -34,7 +34,7 @@ Expected<BenchRun> run_items(const std::vector<RunItem>& items, double budget_s,
 // Runs every configuration of the suites: opens it, renders it once and checks the picture, then takes samples in
 // rounds over all configurations, so that a machine that slows down slows all alike. A configuration that fails is a
 // row with an error; only what makes all fail is an error here. `stop` ends the run early; what was measured is kept.
-// A budget is of sampling: opening has its own time, and every row gets its least number of runs whatever they take.
+// A budget is of sampling: opening has its own time, and every row gets its least number of runs, however long.
 Expected<BenchRun> run_suites(const std::vector<Suite>& suites, const RunSettings& settings,
                               const std::function<bool()>& stop);
 

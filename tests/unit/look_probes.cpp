@@ -29,7 +29,7 @@ TEST(LookProbes, AreReadAndSortedByTheirBoxes) {
   ASSERT_EQ(look->probes.size(), 2u);
   const ReflectionProbe &small = look->probes[0], &large = look->probes[1];
   EXPECT_EQ(small.position, glm::dvec3(0.5, 0.5, 0.25));
-  EXPECT_EQ(small.fade_m, 0.1) << "where nothing is said";
+  EXPECT_EQ(small.fade_m, 0.1) << "by default";
   EXPECT_EQ(small.time_s, 0);
   EXPECT_EQ(large.position, glm::dvec3(0, 1.5, 0.5));
   EXPECT_EQ(large.lowest, glm::dvec3(-1, 0, -2));

@@ -47,8 +47,7 @@ TEST(Look, SaysWhatFogIs) {
   ASSERT_TRUE(boxes && boxes->fog);
   EXPECT_EQ(boxes->fog->extinction_per_m, glm::dvec3(3));
   EXPECT_EQ(summed_fog(*boxes), 0u) << "one medium, wherever it stands";
-  EXPECT_EQ(fog_of(R"({"fog": {"extinction": 1e6}})").scattering_per_m, glm::dvec3(1e6))
-      << "albedo is 1 where nothing is said";
+  EXPECT_EQ(fog_of(R"({"fog": {"extinction": 1e6}})").scattering_per_m, glm::dvec3(1e6)) << "albedo is 1 by default";
   EXPECT_FALSE(look_from_json("{}", "l.json")->fog);
 }
 
@@ -59,7 +58,7 @@ TEST(Look, SaysHowLargeTheSunIs) {
   };
   EXPECT_EQ(radius(R"({"sun": {"angular_radius_deg": 5.5}})"), 5.5);
   EXPECT_EQ(radius(R"({"sun": {"angular_radius_deg": 0}})"), 0);
-  EXPECT_EQ(radius(R"({"sun": {}})"), 0.2666) << "the real sun's where nothing is said";
+  EXPECT_EQ(radius(R"({"sun": {}})"), 0.2666) << "the real sun's by default";
   EXPECT_EQ(radius("{}"), -1);
   for (const char* wrong : {R"({"sun": {"angular_radius_deg": -1}})", R"({"sun": {"angular_radius_deg": 45.1}})",
                             R"({"sun": {"angular_radius_deg": "1"}})", R"({"sun": 1})"}) {

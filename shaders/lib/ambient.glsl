@@ -26,6 +26,21 @@ struct AmbientLobes {
   vec3 diffuse, specular;
   vec3 lights;  // reflections of its bright spots, where these are lights of their own: not in `specular`
 };
+// What two cones share of the smaller one; half angles and the angle between their axes in radians (Oat and Sander,
+// "Ambient Aperture Lighting", 2007).
+float cones_share(float a, float b, float between) {
+  const float apart = abs(a - b);
+  return smoothstep(0.0, 1.0, 1.0 - clamp((between - apart) / max(a + b - apart, 1e-4), 0.0, 1.0));
+}
+// How open the part of a lobe that f90 scales is, which leans towards the horizon, by its middle d: as far as it lies in
+// the cone about the normal that sky_fraction leaves. The roughness gives its width (as in open_by_leaning).
+float grazing_open(vec3 normal, vec3 d, float roughness) {
+  if (sky_fraction >= 1.0) return 1.0;
+  const float lobe = max(acos(exp2(-3.32193 * roughness * roughness)), 0.02);
+  const float between = acos(clamp(dot(normal, d), -1.0, 1.0));
+  const float all = cones_share(0.5 * PI, lobe, between);
+  return clamp(cones_share(sky_cone(), lobe, between) / max(all, 1e-3), 0.0, 1.0);
+}
 // facing: the direction about which diffuse light is gathered; the normal where nothing is hidden.
 AmbientLobes whole_sky_lobes(Surface s, BrdfTerms b, vec3 facing) {
   BrdfTerms in_image = b;
@@ -73,7 +88,8 @@ AmbientLobes whole_sky_lobes(Surface s, BrdfTerms b, vec3 facing) {
     vec3 sky = vec3(0.0);
     if (sharp < 1.0) {
       const vec3 of_f0 = filtered_sky(in_sky(normalize(mix(s.normal, mirrored, lobe.x))), lobe.y);
-      const vec3 of_f90 = filtered_sky(in_sky(normalize(mix(s.normal, mirrored, lobe.z))), lobe.w);
+      const vec3 grazing = normalize(mix(s.normal, mirrored, lobe.z));
+      const vec3 of_f90 = filtered_sky(in_sky(grazing), lobe.w) * grazing_open(s.normal, grazing, s.roughness);
       sky = (1.0 - sharp) * (b.f0 * albedo.x * of_f0 + b.f90 * albedo.y * of_f90);
     }
     if (MIRROR_TAPS != 0 && sharp > 0.0)
@@ -106,12 +122,6 @@ vec3 ambient_light(Surface s, BrdfTerms b) {
 float specular_open(float open, float n_v, float roughness) {
   return clamp(pow(clamp(n_v, 0.0, 1.0) + open, exp2(-16.0 * roughness - 1.0)) - 1.0 + open, 0.0, 1.0);
 }
-// What two cones share of the smaller one; half angles and the angle between their axes in radians (Oat and Sander,
-// "Ambient Aperture Lighting", 2007).
-float cones_share(float a, float b, float between) {
-  const float apart = abs(a - b);
-  return smoothstep(0.0, 1.0, 1.0 - clamp((between - apart) / max(a + b - apart, 1e-4), 0.0, 1.0));
-}
 // By how much more or less of the lobe is open where what is open leans: what is open is a cone, about the mean open
 // direction against about the normal, the lobe another about the mirror direction (cones after Jimenez, Wu, Pesce,
 // Jarabo 2016). 1 where it does not lean, and towards 1 where both cones miss the lobe, of which they then say nothing.
@@ -138,6 +148,11 @@ float reflected_open(Openness o, Surface s, vec3 v, vec3 plane_normal) {
   const vec3 bent = bent_about(s.normal, o.bent, plane_normal);
   return clamp(open * open_by_leaning(bent, o.fraction, s.normal, v, s.roughness), 0.0, 1.0);
 }
+// What the lobes of the sky need of it themselves.
+void know_openness(Openness o, vec3 plane_normal) {
+  sky_lights_plane = plane_normal;
+  sky_fraction = o.mirror < 0.0 && o.lobe < 0.0 ? o.fraction : 1.0;
+}
 // The same of its bright spots.
 float reflected_lights_open(Openness o, float of_rest) { return o.lights >= 0.0 ? o.lights : of_rest; }
 #ifdef LOBED
@@ -145,7 +160,7 @@ float reflected_lights_open(Openness o, float of_rest) { return o.lights >= 0.0 
 #else
 AmbientLobes occluded_lobes(Surface s, BrdfTerms b, Openness o, vec3 plane_normal) {
   const vec3 facing = OCCLUSION_IS_BENT ? bent_about(s.normal, o.bent, plane_normal) : s.normal;
-  sky_lights_plane = plane_normal;
+  know_openness(o, plane_normal);
   const AmbientLobes lobes = ambient_lobes(s, b, facing);
   const float open = reflected_open(o, s, b.to_viewer, plane_normal);
   return AmbientLobes(lobes.diffuse * o.diffuse, lobes.specular * open, lobes.lights * reflected_lights_open(o, open));

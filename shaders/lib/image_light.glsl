@@ -24,6 +24,16 @@ float share_of_lights(float slice) {
 // Of the triangle, on the viewer's side, in the world's axes, where it is known: bright spots below it are hidden. 0: not
 // known.
 vec3 sky_lights_plane = vec3(0.0);
+// How open the surface is, where nothing else tells which directions are (occlusion in screen space); 1 elsewhere. What
+// is open is then taken to be a cone about the normal: an even horizon.
+float sky_fraction = 1.0;
+float sky_cone() { return acos(sqrt(clamp(1.0 - sky_fraction, 0.0, 1.0))); }
+// Of a bright spot whose cosine to the normal is n_l. The less is hidden, the sharper the horizon: where all is open, no
+// spot above it loses light.
+float sky_light_open(float n_l) {
+  const float soft = 0.2 * clamp(4.0 * (1.0 - sky_fraction), 0.05, 1.0);
+  return smoothstep(-soft, soft, sky_cone() - acos(clamp(n_l, -1.0, 1.0)));
+}
 vec3 sky_lights(BrdfTerms b, float slice) {
   const float fraction = share_of_lights(slice);
   vec3 sum = vec3(0.0);
@@ -41,10 +51,11 @@ vec3 sky_lights(BrdfTerms b, float slice) {
       v_h = 0.0;
     }
     const float x = clamp(1.0 - v_h, 0.0, 1.0), x2 = x * x;
+    const vec3 arriving = sky_fraction < 1.0 ? light.illuminance * sky_light_open(n_l) : light.illuminance;
 #ifdef LOBED
-    sum += light.illuminance * base_fresnel(b, v_h).specular * (base_dv(b, light.direction, h, h_h, n_l) * n_l);
+    sum += arriving * base_fresnel(b, v_h).specular * (base_dv(b, light.direction, h, h_h, n_l) * n_l);
 #else
-    sum += light.illuminance * (b.f0 + (b.f90 - b.f0) * (x2 * x2 * x)) * (lobe_dv(b, h, h_h, n_l) * n_l);
+    sum += arriving * (b.f0 + (b.f90 - b.f0) * (x2 * x2 * x)) * (lobe_dv(b, h, h_h, n_l) * n_l);
 #endif
   }
   return fraction * sum;

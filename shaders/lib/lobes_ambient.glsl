@@ -98,7 +98,7 @@ vec3 ambient_light(Surface s, BrdfTerms b) {
 }
 AmbientLobes occluded_lobes(Surface s, BrdfTerms b, Openness o, vec3 plane_normal) {
   const vec3 facing = OCCLUSION_IS_BENT ? bent_about(s.normal, o.bent, plane_normal) : s.normal;
-  sky_lights_plane = plane_normal;
+  know_openness(o, plane_normal);
   AmbientLobes base = base_of_sky(s, b, facing);
   base.diffuse *= o.diffuse;
   const float of_base = reflected_open(o, with_round_facets(s), b.to_viewer, plane_normal);

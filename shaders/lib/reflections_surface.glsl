@@ -54,7 +54,14 @@ ReflectingTexel reflecting_texel(Surface s, bool is_unlit, vec3 position, vec3 p
     roughness = base.roughness;
     if (HAS_AMBIENT != 0) {
       shade_probes(s, brdf, position);
-      sky_lights_plane = HAS_OCCLUSION != 0 ? rounded_normal : vec3(0.0);
+      float lights_open = 1.0;
+      if (HAS_OCCLUSION != 0) {
+        if (HAS_OCCLUSION < 0) begin_rays(rounded_point, rounded_normal);
+        const Openness o = occlusion_open(rounded_point, rounded_normal, base, to_viewer);
+        know_openness(o, rounded_normal);
+        open = reflected_open(o, base, to_viewer, rounded_normal);
+        lights_open = reflected_lights_open(o, open);
+      }
 #ifdef LOBED
       const AmbientLobes of_sky = base_of_sky(s, brdf, s.normal);
       const float covered = under * s.occlusion * frame.pre_exposure;
@@ -64,13 +71,6 @@ ReflectingTexel reflecting_texel(Surface s, bool is_unlit, vec3 position, vec3 p
 #endif
       sky = of_sky.specular * covered * through;
       vec3 lights = of_sky.lights * covered * through;
-      float lights_open = 1.0;
-      if (HAS_OCCLUSION != 0) {
-        if (HAS_OCCLUSION < 0) begin_rays(rounded_point, rounded_normal);
-        const Openness o = occlusion_open(rounded_point, rounded_normal, base, to_viewer);
-        open = reflected_open(o, base, to_viewer, rounded_normal);
-        lights_open = reflected_lights_open(o, open);
-      }
 #ifdef FOG
       const vec3 through_fog = fog_sky_through_surface(position, s.normal);
       sky *= through_fog;

@@ -32,8 +32,8 @@ float cones_share(float a, float b, float between) {
   const float apart = abs(a - b);
   return smoothstep(0.0, 1.0, 1.0 - clamp((between - apart) / max(a + b - apart, 1e-4), 0.0, 1.0));
 }
-// How open the part of a lobe that f90 scales is, which leans towards the horizon, by its middle d: as far as it lies in
-// the cone about the normal that sky_fraction leaves. The roughness gives its width (as in open_by_leaning).
+// How open the part of a lobe is that f90 scales, which leans towards the horizon: as far as it lies in the cone about
+// the normal that sky_fraction leaves. d: its middle. The roughness gives its width (as in open_by_leaning).
 float grazing_open(vec3 normal, vec3 d, float roughness) {
   if (sky_fraction >= 1.0) return 1.0;
   const float lobe = max(acos(exp2(-3.32193 * roughness * roughness)), 0.02);

@@ -21,15 +21,15 @@ vec4 lobe_shape(uint lobe_texture, uint clamp_sampler, float roughness, float n_
 float share_of_lights(float slice) {
   return clamp((slice - float(sky_lights_after)) / float(sky_lights_from - sky_lights_after), 0.0, 1.0);
 }
-// Of the triangle, on the viewer's side, in the world's axes, where it is known: bright spots below it are hidden. 0: not
-// known.
+// Of the triangle, on the viewer's side, in the world's axes, where it is known: bright spots below it are hidden.
+// 0: not known.
 vec3 sky_lights_plane = vec3(0.0);
 // How open the surface is, where nothing else tells which directions are (occlusion in screen space); 1 elsewhere. What
 // is open is then taken to be a cone about the normal: an even horizon.
 float sky_fraction = 1.0;
 float sky_cone() { return acos(sqrt(clamp(1.0 - sky_fraction, 0.0, 1.0))); }
-// Of a bright spot whose cosine to the normal is n_l. The less is hidden, the sharper the horizon: where all is open, no
-// spot above it loses light.
+// Of a bright spot whose cosine to the normal is n_l. The less is hidden, the sharper the horizon: where all is open,
+// no spot above it loses light.
 float sky_light_open(float n_l) {
   const float soft = 0.2 * clamp(4.0 * (1.0 - sky_fraction), 0.05, 1.0);
   return smoothstep(-soft, soft, sky_cone() - acos(clamp(n_l, -1.0, 1.0)));

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <atomic>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <set>
@@ -168,6 +169,9 @@ std::filesystem::path Pipelines::known_file() const { return cache_file().replac
 void Pipelines::compile_ahead(std::span<const PipelineDesc> missing) {
   constexpr size_t least_shaders = 6, digits = 32, most_known = 1 << 15;
   if (!specializes_ || cache_folder_.empty() || std::thread::hardware_concurrency() < 2) return;
+  // A layer that the environment asks for is to see what the program itself does.
+  for (const char* name : {"VK_INSTANCE_LAYERS", "VK_LOADER_LAYERS_ENABLE"})
+    if (const char* layers = std::getenv(name); layers && *layers) return;
   const auto chosen = candidate_without_validation(device_.instance(), device_.physical());
   if (!chosen) return;
   std::set<std::string> known;

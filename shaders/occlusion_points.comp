@@ -1,6 +1,6 @@
 #version 460
-// The first depth sample of each pixel that a surface covers, or by rays of each texel: never an average, which would be
-// a surface that does not exist, and not the nearest, which makes all that stands before something else wider.
+// The first depth sample of each pixel that a surface covers, or by rays of each texel: never an average, which would
+// be a surface that does not exist, and not the nearest, which makes all that stands before something else wider.
 #include "shared/occlusion.h"
 layout(push_constant, scalar) uniform Push { OcclusionPointsPush pc; };
 #include "lib/frame.glsl"

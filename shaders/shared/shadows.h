@@ -41,9 +41,9 @@ struct LampTilePlace {
 };
 struct LampShadow {
   vec3 position;
-  uint form;  // 1: a cube; from bit 1 on LampKnobs::pixel_places
-  float texel_tangent;      // a texel's side
-  float most_tangent;       // of a lookup's middle: from there it does not leave the tile
+  uint form;            // 1: a cube; from bit 1 on LampKnobs::pixel_places
+  float texel_tangent;  // a texel's side
+  float most_tangent;   // of a lookup's middle: from there it does not leave the tile
   float uv_per_texel;
   float bias_m;             // of z, for what rounding does to it
   vec3 right, up, forward;  // of the one map

@@ -239,8 +239,8 @@ void GpuSky::load_filtered(Maps& maps, const FrameSky& frame_sky) {
     return maps.add(texture);
   };
   light.texture = load(maps.sky, VK_FORMAT_R32G32B32A32_SFLOAT, sky.width, sky.height, sky.texels, "sky.filtered");
-  light.lobe_texture =
-      load(maps.lobes, VK_FORMAT_R32G32B32A32_SFLOAT, shared::sky_lobe_size, shared::sky_lobe_size, sky.lobes, "sky.lobes");
+  light.lobe_texture = load(maps.lobes, VK_FORMAT_R32G32B32A32_SFLOAT, shared::sky_lobe_size, shared::sky_lobe_size,
+                            sky.lobes, "sky.lobes");
   if (const uint32_t side = sky.irradiance_px; side > 0) {
     light.irradiance_texture =
         load(maps.irradiance, VK_FORMAT_R32G32B32A32_SFLOAT, side, side, sky.irradiance, "sky.irradiance");

@@ -94,7 +94,7 @@ AmbientLobes ambient_lobes(Surface s, BrdfTerms b, vec3 facing) {
 }
 vec3 ambient_light(Surface s, BrdfTerms b) {
   const AmbientLobes lobes = ambient_lobes(s, b, s.normal);
-  return (lobes.diffuse + lobes.specular) * s.occlusion;
+  return (lobes.diffuse + (lobes.specular + lobes.lights)) * s.occlusion;
 }
 AmbientLobes occluded_lobes(Surface s, BrdfTerms b, Openness o, vec3 plane_normal) {
   const vec3 facing = OCCLUSION_IS_BENT ? bent_about(s.normal, o.bent, plane_normal) : s.normal;
@@ -115,5 +115,5 @@ AmbientLobes occluded_lobes(Surface s, BrdfTerms b, Openness o, vec3 plane_norma
 }
 vec3 occluded_ambient_light(Surface s, BrdfTerms b, Openness o, vec3 plane_normal) {
   const AmbientLobes lobes = occluded_lobes(s, b, o, plane_normal);
-  return (lobes.diffuse + lobes.specular) * s.occlusion;
+  return (lobes.diffuse + (lobes.specular + lobes.lights)) * s.occlusion;
 }

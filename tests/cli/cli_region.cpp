@@ -166,7 +166,7 @@ TEST_F(CliRegion, OverscanIsALargerDataWindow) {
 }
 
 TEST_F(CliRegion, SaysWhatIsWrong) {
-  refused({"--region", "60,0,10,10"}, "--region: 60,0,10,10 reaches beyond the picture, which is of 64x36");
+  refused({"--region", "60,0,10,10"}, "--region: 60,0,10,10 reaches beyond the picture, which is 64x36");
   refused({"--region", "1,2,3"}, "write X,Y,WIDTH,HEIGHT");
   refused({"--overscan", "-3"}, "--overscan");
   refused({"--overscan", "10000"}, "more than 16384x16384");

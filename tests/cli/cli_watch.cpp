@@ -150,7 +150,7 @@ TEST(Watch, AHalfWrittenSceneKeepsThePicture) {
   EXPECT_EQ(bytes_of(watched.picture()), before);
   // As it was: nothing is made anew. Then another scene.
   watched.write("box.glb", whole);
-  ASSERT_TRUE(watched.wait_for("as it was again"));
+  ASSERT_TRUE(watched.wait_for("the file is as before again"));
   EXPECT_EQ(bytes_of(watched.picture()), before);
   watched.write("box.glb", bytes_of(scene("orthographic")));
   ASSERT_TRUE(watched.wait_for("box.glb changed: "));
@@ -166,7 +166,7 @@ TEST(Watch, DeletedFilesAreWaitedFor) {
     ASSERT_TRUE(watched.wait_for("the last picture stays")) << name;
     EXPECT_EQ(bytes_of(watched.picture()), before) << name;
     watched.replace(name, text);
-    ASSERT_TRUE(watched.wait_for("as it was again")) << name;
+    ASSERT_TRUE(watched.wait_for("the file is as before again")) << name;
   }
   watched.write("eye.txt", "0 1 8\n");
   ASSERT_TRUE(watched.wait_for("eye.txt changed: "));
@@ -251,7 +251,7 @@ TEST(Watch, BuffersAndTexturesAreOfTheScene) {
   ASSERT_TRUE(watched.wait_for("the last picture stays"));
   EXPECT_EQ(bytes_of(watched.picture()), textured);
   watched.replace("texture.png", image("spheres"));
-  ASSERT_TRUE(watched.wait_for("as it was again"));
+  ASSERT_TRUE(watched.wait_for("the file is as before again"));
   watched.replace("square.bin", square(0.5f));
   ASSERT_TRUE(watched.wait_for("square.bin changed: "));
   const std::string small = bytes_of(watched.picture());

@@ -189,7 +189,7 @@ TEST_F(FrameLightGroups, RefusesNodesThatGiveNoLight) {
   EXPECT_NE(refusal({{"a", {"Key"}}}).find("nodes with lights are: Key lamp, Fill lamp, Spot, Sun"), std::string::npos);
   EXPECT_NE(refusal({{"a", {"Sun"}}, {"b", {"S*"}}}).find("two groups, a and b"), std::string::npos);
   EXPECT_NE(refusal({{"a.b", {"Sun"}}}).find("cannot be part of a layer's name"), std::string::npos);
-  EXPECT_NE(refusal({{"rest", {"Sun"}}}).find("no other has"), std::string::npos);
+  EXPECT_NE(refusal({{"rest", {"Sun"}}}).find("the group of all other lights"), std::string::npos);
   EXPECT_NE(refusal({{"a", {"Sun"}}, {"a", {"Spot"}}}).find("twice"), std::string::npos);
   job.transparency = "moments";
   EXPECT_NE(refusal({{"a", {"Sun"}}}).find("--transparency layers or sorted"), std::string::npos);

@@ -32,11 +32,13 @@ float cones_share(float a, float b, float between) {
   const float apart = abs(a - b);
   return smoothstep(0.0, 1.0, 1.0 - clamp((between - apart) / max(a + b - apart, 1e-4), 0.0, 1.0));
 }
+// Half angle of the cone that a lobe is taken for (Jimenez, Wu, Pesce, Jarabo 2016), radians.
+float lobe_cone(float roughness) { return max(acos(exp2(-3.32193 * roughness * roughness)), 0.02); }
 // How open the part of a lobe is that f90 scales, which leans towards the horizon: as far as it lies in the cone about
-// the normal that sky_fraction leaves. d: its middle. The roughness gives its width (as in open_by_leaning).
+// the normal that sky_fraction leaves. d: its middle.
 float grazing_open(vec3 normal, vec3 d, float roughness) {
   if (sky_fraction >= 1.0) return 1.0;
-  const float lobe = max(acos(exp2(-3.32193 * roughness * roughness)), 0.02);
+  const float lobe = lobe_cone(roughness);
   const float between = acos(clamp(dot(normal, d), -1.0, 1.0));
   const float all = cones_share(0.5 * PI, lobe, between);
   return clamp(cones_share(sky_cone(), lobe, between) / max(all, 1e-3), 0.0, 1.0);
@@ -128,7 +130,7 @@ float specular_open(float open, float n_v, float roughness) {
 float open_by_leaning(vec3 bent, float open, vec3 normal, vec3 v, float roughness) {
   const float say_nothing = 0.1;
   const vec3 mirrored = reflect(-v, normal);
-  const float lobe = max(acos(exp2(-3.32193 * roughness * roughness)), 0.02);
+  const float lobe = lobe_cone(roughness);
   const float cone = acos(sqrt(clamp(1.0 - open, 0.0, 1.0)));
   const float upright = cones_share(cone, lobe, acos(clamp(dot(normal, mirrored), -1.0, 1.0)));
   const float leaning = cones_share(cone, lobe, acos(clamp(dot(bent, mirrored), -1.0, 1.0)));

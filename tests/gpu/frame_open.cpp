@@ -44,6 +44,20 @@ class FrameOpen : public SkyTest {
     look(job, glm::dvec3(1, 2, 9) * scale, {0, 0, 0}, 40);
     return job;
   }
+  // Direct light of the reference at 128 samples a pixel.
+  static std::vector<glm::vec4> traced(const Job& job) {
+    const auto frame = open_reference(job, 0, {});
+    EXPECT_TRUE(frame) << (frame ? "" : frame.error().text());
+    std::vector<glm::vec4> out;
+    if (!frame) return out;
+    reference::TraceSettings settings;
+    settings.sampler = {reference::SamplerKind::sobol, 128};
+    reference::Film film(job.width_px, job.height_px, {});
+    film.add(reference::Integrator(*(*frame)->world, settings, job.width_px, job.height_px), 128,
+             [](double) { return true; });
+    for (size_t i = 0; i < film.pixels(); ++i) out.emplace_back(film.mean(i));
+    return out;
+  }
   static double relmse(const std::vector<glm::vec4>& a, const std::vector<glm::vec4>& truth) {
     double sum = 0;
     for (size_t i = 0; i < a.size(); ++i)
@@ -118,14 +132,8 @@ TEST_F(FrameOpen, TracedOcclusionHidesWhatTheLobeSees) {
   look(job, {1, -5, 2}, {0, 0, 0.5}, 40);
   job.sky = write_sky("slope", [](glm::dvec3 d) { return glm::dvec3(1 + d.y, 1 + 0.5 * d.z, 1 - 0.5 * d.x); }).file;
   job.settings = {{"occlusion", "method", "traced"}, {"occlusion", "rays", "256"}, {"ibl", "method", "sampled"}};
-  const auto frame = open_reference(job, 0, {});
-  ASSERT_TRUE(frame);
-  reference::TraceSettings settings;
-  settings.sampler = {reference::SamplerKind::sobol, 128};
-  reference::Film film(32, 24, {});
-  film.add(reference::Integrator(*(*frame)->world, settings, 32, 24), 128, [](double) { return true; });
-  std::vector<glm::vec4> truth;
-  for (size_t i = 0; i < film.pixels(); ++i) truth.emplace_back(film.mean(i));
+  const std::vector<glm::vec4> truth = traced(job);
+  ASSERT_FALSE(truth.empty());
   for (const char* technique : {"clustered", "visibility"}) {
     job.technique = technique;
     EXPECT_LT(relmse(images_of(job)["beauty"].values<glm::vec4>(), truth), 0.03) << technique;
@@ -156,14 +164,8 @@ TEST_F(FrameOpen, AWallHidesABrightSpotOfTheSky) {
     job.sky = write_sky(turned ? "box_turned" : "box", [&](glm::dvec3 d) {
                 return radiance(turned ? glm::dvec3(d.z, d.y, -d.x) : d);
               }).file;
-    const auto frame = open_reference(job, 0, {});
-    ASSERT_TRUE(frame);
-    reference::TraceSettings settings;
-    settings.sampler = {reference::SamplerKind::sobol, 128};
-    reference::Film film(32, 24, {});
-    film.add(reference::Integrator(*(*frame)->world, settings, 32, 24), 128, [](double) { return true; });
-    std::vector<glm::vec4> truth;
-    for (size_t i = 0; i < film.pixels(); ++i) truth.emplace_back(film.mean(i));
+    const std::vector<glm::vec4> truth = traced(job);
+    ASSERT_FALSE(truth.empty());
     for (const char* technique : {"clustered", "visibility", "ray"}) {
       job.technique = technique;
       EXPECT_LT(relmse(images_of(job)["beauty"].values<glm::vec4>(), truth), 0.02) << technique << " " << turned;

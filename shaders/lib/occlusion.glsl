@@ -9,6 +9,11 @@ vec3 bent_in_world(vec3 bent, vec3 plane_normal) {
   return normalize(bent.x * frame.camera_right + bent.y * frame.camera_up + bent.z * frame.camera_back);
 }
 
+// How open bright spots are, by the mean and the mean square of texels: less their variance. On what is smaller than
+// texels, most of what these disagree about is hidden, and a highlight that should not be there is seen more than one
+// that lacks its rim.
+float agreed_open(float mean, float square) { return clamp(mean - max(square - mean * mean, 0.0), 0.0, 1.0); }
+
 // The four texels about the pixel, bilinear, each by how near its point lies to the fragment's plane: a floor at
 // grazing angles still blends, and each fragment of an edge takes the texels of its own surface. Where none of them is
 // of the surface, the texel of the 4 by 4 about it that is the most like it stands for all.
@@ -27,7 +32,7 @@ Openness occlusion_open(vec3 relative, vec3 plane_normal) {
   const vec2 f = at - vec2(corner);
   const bool by_rays = OCCLUSION_BY_RAYS(HAS_OCCLUSION) != 0;
   float sum = 0.0, weights = 0.0;
-  float mirror = 0.0, lights = 0.0;
+  float mirror = 0.0, lights = 0.0, lights2 = 0.0;
   vec2 bright = vec2(0.0);  // of all the sky, and of what is open
   vec3 bent = vec3(0.0);
   for (int i = 0; i < 4; ++i) {
@@ -47,6 +52,7 @@ Openness occlusion_open(vec3 relative, vec3 plane_normal) {
       const vec2 of_lights = unpack_open(tap.w);
       bright += w * tap.z * vec2(1.0, of_lights.x);
       lights += w * of_lights.y;
+      lights2 += w * of_lights.y * of_lights.y;
     } else {
       bright += w * tap.zw;
     }
@@ -55,7 +61,8 @@ Openness occlusion_open(vec3 relative, vec3 plane_normal) {
     const float fraction = sum == weights ? 1.0 : clamp(sum / weights, 0.0, 1.0);
     return Openness(fraction, by_rays ? open_diffuse(fraction, bright.x, bright.y) : fraction,
         by_rays ? clamp(mirror / weights, 0.0, 1.0) : -1.0, -1.0,
-        by_rays && sky_has_lights() ? lights * lights / (weights * weights) : -1.0, bent_in_world(bent, plane_normal));
+        by_rays && sky_has_lights() ? agreed_open(lights / weights, lights2 / weights) : -1.0,
+        bent_in_world(bent, plane_normal));
   }
   lights = -1.0;
   float least = 3e38, open = by_rays ? pack_open(1.0, 1.0) : 1.0;

@@ -119,23 +119,27 @@ struct SkyOpen {
 float of_sky_light(SkyLight light, vec3 normal) {
   return min(max(dot(normal, light.direction), 0.0) * dot(light.illuminance, vec3(0.2126, 0.7152, 0.0722)), 1e30);
 }
+// By how much more of a spot's light a surface of roughness 0.35 reflects to a viewer than it scatters: smooth surfaces
+// mirror the image itself, and rough ones care little. All in the sky's axes.
+float sky_light_reflected(vec3 normal, vec3 to_viewer, vec3 to_light) {
+  const float alpha2 = 0.015;
+  const vec3 h = to_light + to_viewer;
+  const float n_h = dot(normal, h), k = 1.0 - n_h * n_h * (1.0 - alpha2) / max(dot(h, h), 1e-12);
+  return 1.0 / (k * k);
+}
 struct SkyLightsFound {
   float all;       // light of all spots on the surface
   vec3 reflected;  // direction to the one that it reflects most of; 0: there is none above it
 };
-// In the sky's axes. The roughness is 0.35: smooth surfaces mirror the image itself, and rough ones care little. Always
-// the strongest one, so that neighbouring texels agree: the answer is not filtered.
+// In the sky's axes. Always the strongest one, so that neighbouring texels agree: the answer is not filtered.
 SkyLightsFound find_sky_lights(vec3 normal, vec3 to_viewer) {
-  const float alpha2 = 0.015;
   SkyLightsFound found = SkyLightsFound(0.0, vec3(0.0));
   float most = 0.0;
   for (uint i = 0u; i < frame.image_light.light_count; ++i) {
     const SkyLight light = SkyLightsRef(frame.image_light.lights).s[i];
     const float part = of_sky_light(light, normal);
     found.all += part;
-    const vec3 h = light.direction + to_viewer;
-    const float n_h = dot(normal, h), k = 1.0 - n_h * n_h * (1.0 - alpha2) / max(dot(h, h), 1e-12);
-    const float reflected = part / (k * k);
+    const float reflected = part * sky_light_reflected(normal, to_viewer, light.direction);
     if (!(reflected > most)) continue;
     most = reflected;
     found.reflected = light.direction;
@@ -157,29 +161,32 @@ vec3 chosen_sky_light(vec3 normal, float all, float u) {
 }
 // Rays of a stretch of the sequence: `count` by the cosine from number `first` on, a quarter as many to bright spots,
 // which the filtered sky does not hold, and with `reflects` two for what is reflected to a viewer in unit direction
-// to_viewer. own: of the pixel, turns the sequence over. One loop sends all of them: the traversal is the largest part
-// of the shader, and stands in it once.
+// to_viewer; from four rays to spots on these tell of reflections too. own: of the pixel, turns the sequence over. One
+// loop sends all of them: the traversal is the largest part of the shader, and stands in it once.
 SkyOpen sky_open(bool bends, bool reflects, vec3 to_viewer, uint first, uint count, uvec2 own) {
   const RaySettings s = RaySettingsRef(pc.rays).s;
   const mat3 axes = axes_about(rays_side);
   const bool lit = IBL_METHOD != 0 && sky_has_lights();
   SkyLightsFound spots = SkyLightsFound(0.0, vec3(0.0));
-  const vec3 normal = in_sky(rays_side);
-  if (lit) spots = find_sky_lights(normal, in_sky(to_viewer));
+  const vec3 normal = in_sky(rays_side), viewer = in_sky(to_viewer);
+  if (lit) spots = find_sky_lights(normal, viewer);
   const uint to_spots = max(count / 4u, 1u), mirror = count + (spots.all > 0.0 ? to_spots : 0u);
   const uint end = reflects ? mirror + (lit ? 2u : 1u) : mirror;
   SkyOpen sum = SkyOpen(0.0, 0.0, 0.0, vec3(0.0), 1.0, 0.0);
   float of_spots = 0.0;
+  vec2 reflected = vec2(0.0);  // of spots: what is open, and all
   for (uint i = 0u; i < end; ++i) {
     vec3 d;
-    float along = 0.0;
+    float along = 0.0, weight = 0.0;
     if (i < count) {
       const vec2 u = rays_place(first + i, own);
       const float across = sqrt(u.x), phi = 2.0 * PI * u.y;
       along = sqrt(max(1.0 - u.x, 0.0));
       d = axes * vec3(across * cos(phi), across * sin(phi), along);
     } else if (i < mirror) {
-      d = from_sky(chosen_sky_light(normal, spots.all, rays_place(first / count * to_spots + i - count, ~own).x));
+      d = chosen_sky_light(normal, spots.all, rays_place(first / count * to_spots + i - count, ~own).x);
+      weight = sky_light_reflected(normal, viewer, d);
+      d = from_sky(d);
     } else {
       d = i == mirror ? reflect(-to_viewer, rays_side) : from_sky(spots.reflected);
       if (!(dot(d, rays_side) > 0.0)) continue;
@@ -195,12 +202,14 @@ SkyOpen sky_open(bool bends, bool reflects, vec3 to_viewer, uint first, uint cou
       if (bends) sum.bent += (1.0 - hidden) * d;
     } else if (i < mirror) {
       of_spots += open;
+      reflected += weight * vec2(open, 1.0);
     } else if (i == mirror) {
       sum.mirror = open;
     } else {
       sum.lights = open;
     }
   }
+  if (to_spots >= 4u && reflected.y > 0.0) sum.lights = reflected.x / reflected.y;
   const float each = 1.0 / float(count), bright_spots = spots.all / PI;  // as a mean by the cosine
   return SkyOpen(sum.fraction * each, sum.bright * each + bright_spots,
       sum.bright_open * each + bright_spots * (of_spots / float(to_spots)),

@@ -179,6 +179,13 @@ StabilityScene under_white(const GlbWriter& out, int samples) {
   scene.blocked_samples = samples;
   return scene;
 }
+// The same under a soft box in an otherwise black sky, whose spots are lights of their own.
+StabilityScene under_box(const GlbWriter& out, int samples, float radiance) {
+  StabilityScene scene = under_white(out, samples);
+  scene.sky = sky_image(
+      256, 128, [=](int x, int y) { return glm::vec3(x >= 80 && x < 96 && y >= 32 && y < 48 ? radiance : 0.0f); });
+  return scene;
+}
 void add_open(Recipes& all, std::string name, std::string what, const std::function<StabilityScene()>& make) {
   all.push_back({"occlusion", std::move(name), std::move(what), [=](StabilityInput&) { return make(); }});
 }
@@ -206,6 +213,25 @@ void add_occlusion(Recipes& all) {
     scene.reference = false, scene.black = true;
     return scene;
   });
+  add_open(all, "closed room of metal under a soft box of 1e10", "its spots are hidden, diffuse and mirrored: black",
+           [] {
+             GlbWriter out;
+             hall(out, lit({0.7, 0.6, 0.5}, 1, 0.4));
+             seen_from_within(out);
+             StabilityScene scene = under_box(out, 16, 1e10f);
+             scene.reference = false, scene.black = true;
+             return scene;
+           });
+  for (const float radiance : {1e-20f, 50.0f, 1e20f})
+    add_open(all, fmt::format("corner under a soft box of {:g}", radiance), "no surface outshines the box", [=] {
+      GlbWriter out;
+      corner(out, 1);
+      StabilityScene scene = under_box(out, 64, radiance);
+      // Penumbras of at most 32 spots in place of a box: 4 % of this picture's light.
+      scene.reference = false;
+      scene.most = 1.001 * double(radiance);
+      return scene;
+    });
   for (const char* sides : {"block", "open"})
     add_open(all, std::string("closed room of one side, ") + sides, "black, or as open as a plain", [=] {
       GlbWriter out;
